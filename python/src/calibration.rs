@@ -21,7 +21,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A function from moments to forces for one fingertip.
+/// Calibration of one fingertip: function from moments to forces.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Calibration(pub core::Calibration);
 
@@ -64,7 +64,7 @@ impl Calibration {
     }
 }
 
-/// Sensor, model and full scale of a fit.
+/// Sensor, model and full scale to fit.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Fit<'py> {
@@ -174,7 +174,7 @@ pub fn calibrate_frames(
     how.fit(py, geometry, &records)
 }
 
-/// Reason for taking no further images.
+/// Reason for not taking further images.
 enum Taken {
     Interrupted,
     Failed(CalibrationBenchError),

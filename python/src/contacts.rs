@@ -1,4 +1,4 @@
-//! Contacts of forces in arrays.
+//! Estimates contacts from arrays of forces.
 
 use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler::sensor::fingertip::SensingElement;
@@ -9,7 +9,8 @@ use numpy::{
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Name of an array, number of its values per frame, and the values of a contact; missing ones are NaN.
+/// Name of an array, number of its values per frame, and a function that returns these values of a contact; missing
+/// ones are NaN.
 type Field = (&'static str, usize, fn(&Contact) -> Vec<f64>);
 
 const FIELDS: [Field; 14] = [
@@ -37,8 +38,8 @@ const FIELDS: [Field; 14] = [
     ("sliding", 1, |c| c.sliding.into_iter().collect()),
 ];
 
-/// Contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to `T`: arrays by
-/// name, [N] or [N, width].
+/// Estimates the contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to
+/// `T`. Returns arrays by name, [N] or [N, width].
 #[pyfunction]
 pub fn estimate_contacts<'py>(
     py: Python<'py>,

@@ -17,9 +17,9 @@ use std::sync::{Mutex, MutexGuard, TryLockError};
 /// Layout and ranges of an environment's arrays.
 #[pyclass(frozen, get_all, module = "feeler._core")]
 pub struct EnvironmentSpec {
-    /// Parts of each finger's observation: name, unit, start and end index.
+    /// Parts of each finger's observation: name, unit, start index and end index.
     parts: Vec<Vec<(&'static str, &'static str, usize, usize)>>,
-    /// Maximum magnitude of each component of an action before a limit changes it.
+    /// Maximum magnitude of each component of an action that is executed unchanged; larger ones are limited.
     action_bounds: Vec<f64>,
     /// Minimum and maximum of each component of an observation.
     low: Vec<f32>,
@@ -99,8 +99,7 @@ impl SingleEnvironment {
         Ok(EnvironmentSpec::of(&*lock(&self.0)?))
     }
 
-    /// Begins the episode of `seed`, or if it is `None`, of a seed that is derived from the last one given. Returns
-    /// the seed.
+    /// Begins the episode of `seed`; if it is `None`, the seed is derived from the last given one. Returns the seed.
     fn reset(
         &self,
         py: Python<'_>,
@@ -116,8 +115,8 @@ impl SingleEnvironment {
         Ok(seed)
     }
 
-    /// Begins the episode that is the `following`-th after the episode of `seed` without further seeds. Returns its
-    /// seed.
+    /// Begins the episode that is `following` episodes after the episode of `seed`, as reached by resets without a
+    /// seed. Returns its seed.
     fn reset_to(
         &self,
         py: Python<'_>,
@@ -152,7 +151,7 @@ impl SingleEnvironment {
         Ok((step.reward, step.terminated, step.truncated))
     }
 
-    /// Writes the action that follows the task's plan.
+    /// Writes the action that executes the task's plan.
     fn guide(&self, mut action: PyReadwriteArray1<'_, f64>) -> PyResult<()> {
         let environment = lock(&self.0)?;
         environment.guide(action.as_slice_mut()?).map_err(refused)
@@ -168,7 +167,7 @@ impl SingleEnvironment {
             .map_err(refused)
     }
 
-    /// Reason for which the hand was stopped, or `None`.
+    /// Reason for which the hand was stopped, or `None` if it is not stopped.
     fn stop_reason(&self) -> PyResult<Option<String>> {
         Ok(lock(&self.0)?.stop_reason().map(ToString::to_string))
     }
@@ -269,8 +268,8 @@ impl ManyEnvironments {
         stepped.map_err(vector_error)
     }
 
-    /// Writes the final observation and info of the previous episode of environment `index`, if the latest step ended
-    /// it and began another. Returns whether it did.
+    /// If the latest step ended an episode of environment `index` and began another, writes the final observation and
+    /// info of the ended episode and returns `true`.
     fn last(
         &self,
         index: usize,
@@ -282,7 +281,7 @@ impl ManyEnvironments {
         last.map_err(refused)
     }
 
-    /// Writes the actions [n, A] that follow the tasks' plans.
+    /// Writes the actions [n, A] that execute the tasks' plans.
     fn guide(&self, mut actions: PyReadwriteArray2<'_, f64>) -> PyResult<()> {
         let environments = self.lock()?;
         let rows = actions
@@ -305,7 +304,7 @@ impl ManyEnvironments {
         drawn.map_err(refused)?.map_err(refused)
     }
 
-    /// Reason for which the hand of environment `index` was stopped, or `None`.
+    /// Reason for which the hand of environment `index` was stopped, or `None` if it is not stopped.
     fn stop_reason(&self, index: usize) -> PyResult<Option<String>> {
         let reason = |environment: &Environment| environment.stop_reason().map(ToString::to_string);
         self.lock()?.look(index, reason).map_err(refused)
@@ -313,7 +312,7 @@ impl ManyEnvironments {
 }
 
 impl ManyEnvironments {
-    /// Fails in a forked process, which lacks the threads of its parent.
+    /// Locks the environments. Fails in a forked process, which lacks the threads of its parent.
     fn lock(&self) -> PyResult<MutexGuard<'_, VectorEnvironment>> {
         if process::id() != self.process {
             return Err(PyRuntimeError::new_err(
@@ -324,7 +323,7 @@ impl ManyEnvironments {
     }
 }
 
-/// Returns `true` if the action is invalid, which is the caller's error. Any other error is a failure of the episode.
+/// Returns `true` if the action is invalid, which is the caller's error. All other errors are failures of the episode.
 fn is_of_action(error: &EnvironmentError) -> bool {
     matches!(
         error,
@@ -347,7 +346,7 @@ fn vector_error(error: VectorError) -> PyErr {
     }
 }
 
-/// Fails if another thread is stepping the environment.
+/// Locks the environment. Fails if another thread is stepping it.
 fn lock<T>(mutex: &Mutex<T>) -> PyResult<MutexGuard<'_, T>> {
     match mutex.try_lock() {
         Ok(guard) => Ok(guard),

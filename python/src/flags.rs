@@ -1,4 +1,4 @@
-//! Flags of forces in arrays.
+//! Flags computed from arrays of forces.
 
 use feeler::control::{FlagAnalyzer, FlagThresholds};
 use feeler::sensor::forces::TactileFrame;

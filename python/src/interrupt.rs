@@ -11,12 +11,12 @@ use std::time::Duration;
 
 /// Interval at which signals are handled.
 const POLL: Duration = Duration::from_millis(20);
-/// Number of such intervals for which abandonable work may delay an exception.
+/// Number of [`POLL`] intervals by which work run with [`abandonable`] may delay an exception.
 const PATIENCE: u32 = 2;
 
 /// Runs `work` on a separate thread with the interpreter released. Meanwhile, this thread lets Python handle signals
-/// and calls `watch`, about 50 times a second. If either raises, `work` is asked to stop by its flag, and the
-/// exception is raised once it has stopped.
+/// and calls `watch`, about 50 times a second. If either raises an exception, the flag of `work` is set, and the
+/// exception is raised once `work` has stopped.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send,
@@ -39,8 +39,8 @@ pub fn interruptible<T: Send>(
     })
 }
 
-/// Like [`interruptible`], for work that may be slow to check its flag: an exception is delayed by at most
-/// [`PATIENCE`] intervals. The work then ends on its own and its result is discarded.
+/// Like [`interruptible`], for work that may be slow to check its flag: an exception is delayed by at most [`PATIENCE`]
+/// intervals. The work then continues until it ends, and its result is discarded.
 pub fn abandonable<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,

@@ -1,4 +1,4 @@
-//! Location of the sensing elements in images.
+//! Locates the sensing elements in images.
 
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
@@ -18,7 +18,7 @@ pub struct Layout {
 
 #[pymethods]
 impl Layout {
-    /// Parses the layout in `text` (TOML); `warnings` are those about its images.
+    /// Parses the layout in `text` (TOML); `warnings` are those about the images from which it was located.
     #[staticmethod]
     #[pyo3(signature = (text, warnings = Vec::new()))]
     fn parse(text: &str, warnings: Vec<String>) -> PyResult<Self> {

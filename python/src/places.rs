@@ -55,7 +55,8 @@ impl Places {
     }
 }
 
-/// Returns the image position of each element (px); NaN if the camera cannot see it, in which case the fingertip has no kernel.
+/// Returns the position of each element in the image (px); NaN if the camera cannot see it. Such a fingertip has no
+/// moments kernel.
 fn centres(layout: &ElementLayout, projection: &DomeProjection) -> Vec<DVec2> {
     let tips = (0..layout.elements.len()).map(|index| layout.tip(index));
     tips.map(|tip| projection.project(tip).unwrap_or(DVec2::NAN))

@@ -27,7 +27,7 @@ pub struct Recording {
 
 #[pymethods]
 impl Recording {
-    /// Reads the recording at `path`, up to the first damage if there is any.
+    /// Reads the recording at `path`, up to the first damaged part, if any.
     #[new]
     fn new(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let read = || {
@@ -50,7 +50,7 @@ impl Recording {
         self.columns.bind(py)
     }
 
-    /// The experiment as run (TOML).
+    /// The experiment of the run (TOML).
     #[getter]
     fn experiment(&self) -> &str {
         &self.recording.experiment
@@ -73,7 +73,7 @@ impl Recording {
         self.recording.problem.as_deref()
     }
 
-    /// State in which the run ended, and the reason if it did not end as intended.
+    /// State in which the run ended, and the reason if it ended early.
     #[getter]
     fn end(&self) -> (String, Option<&str>) {
         let end = &self.recording.end;
@@ -97,7 +97,7 @@ impl Recording {
         finger.map_or(0, |finger| finger.pictures.len())
     }
 
-    /// Frames `start` to `stop` of `finger` [N, H, W], and their times [N], s.
+    /// Returns the frames `start` to `stop` of `finger` [N, H, W], and their times [N], s.
     fn frames<'py>(
         &self,
         py: Python<'py>,
@@ -146,7 +146,7 @@ impl Recording {
     }
 }
 
-/// Values of all steps. Missing values are NaN, false or -1.
+/// Values of all steps. Missing values are NaN, `False` or -1.
 #[derive(Default)]
 struct Columns {
     steps: usize,

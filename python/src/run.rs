@@ -78,7 +78,7 @@ pub fn run(
 }
 
 impl RunOutcome {
-    /// Reads the result of the run in `folder`, whose report has been written.
+    /// Reads the result of the run in `folder`, whose report must exist.
     pub fn read(
         folder: PathBuf,
         end: &RunEnd,
@@ -96,7 +96,7 @@ impl RunOutcome {
     }
 }
 
-/// Writes the report of the run in `folder` again.
+/// Recreates the report of the run in `folder`.
 #[pyfunction]
 pub fn report(py: Python<'_>, folder: PathBuf) -> PyResult<()> {
     let made = interruptible(py, |_| make::make(&folder), |_| Ok(()))?;

@@ -1,4 +1,4 @@
-//! Sensing of frames in arrays: computes arrays of moments and forces.
+//! Computes arrays of moments and forces from arrays of frames.
 
 use crate::calibration::Calibration;
 use crate::errors::refused;
@@ -22,26 +22,26 @@ use std::thread;
 
 /// Number of frames that a thread processes at a time, which takes some milliseconds.
 const CHUNK: usize = 64;
-/// Number of frames below which sensing takes less time than the detection of a signal.
+/// Number of frames below which sensing is faster than the reaction to a signal.
 const SHORT: usize = 256;
 
-/// Sensing chain of one fingertip.
+/// Sensing chain of one fingertip: from frames to moments and forces.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Sensor {
-    /// Idle chains, one for each thread that has sensed concurrently so far.
+    /// Idle chains. Their number is the maximum number of threads that have used this sensor at once.
     chains: Mutex<Vec<SensingChain>>,
     /// Template of new chains.
     template: SensingChain,
     /// `true` if results depend on the preceding frames.
     in_order: bool,
     places: Places,
-    /// Reference of displacements, if it was set.
+    /// Reference of the displacements, or `None` if none was set.
     reference: Option<Reference>,
 }
 
 #[pymethods]
 impl Sensor {
-    /// Creates the sensor of `calibration`, or without one, of `layout` or of the experiment's fingertip.
+    /// Creates the sensor of `calibration`; without one, that of `layout` or of the experiment's fingertip.
     #[new]
     #[pyo3(signature = (calibration, layout, experiment, finger, drift_correction, max_saturated))]
     fn new(
@@ -252,7 +252,7 @@ impl Sensor {
     }
 }
 
-/// The protected data stay consistent even if another thread panics.
+/// Locks a mutex, even after a panic of another thread: the protected data remain consistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -37,7 +37,8 @@ enum Kind {
 
 #[pymethods]
 impl WrenchEstimator {
-    /// Creates the estimator of the calibration in `text` (TOML). That of a camera needs a `layout` or an `experiment`.
+    /// Creates the estimator of the calibration in `text` (TOML). A camera's calibration requires a `layout` or an
+    /// `experiment`.
     #[new]
     fn new(
         text: &str,
@@ -72,7 +73,7 @@ impl WrenchEstimator {
         }
     }
 
-    /// Wrench in each of `frames` [N, H, W].
+    /// Estimates the wrench in each of `frames` [N, H, W].
     fn estimate<'py>(
         &self,
         py: Python<'py>,
@@ -105,7 +106,8 @@ impl WrenchEstimator {
         arrays(py, &estimates.map_err(refused)?)
     }
 
-    /// Wrench for each row of `readings` [N, E, 3] at `stamps` [N], s: one sequence that begins without load.
+    /// Estimates the wrench for each row of `readings` [N, E, 3] at `stamps` [N], s. The rows are one sequence that
+    /// begins without load.
     fn estimate_taxels<'py>(
         &self,
         py: Python<'py>,

@@ -23,7 +23,7 @@ pub fn session(
     Ok((session, bus))
 }
 
-/// Runs the gripper of `experiment` under `law` with the object of `seed`, moved by emulated servos in simulated time.
+/// Runs the gripper of `experiment` with the object drawn with `seed`, moved by emulated servos in simulated time.
 pub fn grip_trial(experiment: &Experiment, seed: u64) -> Result<GripTrial, String> {
     GripTrial::run_on_bus(experiment, seed).map_err(|error| error.to_string())
 }

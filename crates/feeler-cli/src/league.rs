@@ -9,14 +9,14 @@ use std::time::Duration;
 
 /// Compare slip detectors, calibrations and your own programs on published recordings.
 ///
-/// Scores the paper's rule, feeler's detectors and calibrations, simple baselines and programs on every set found in
-/// DATA, with fixed splits into training and test data. Sets are built in or defined by files *.league.toml in DATA and
-/// its subfolders. Nothing is downloaded. Writes league.html and league.csv.
+/// Scores the paper's rule, feeler's detectors and calibrations, simple baselines and programs on every data set found
+/// in DATA, with fixed splits into training and test data. Data sets are built in or defined by files *.league.toml in
+/// DATA and its subfolders. Nothing is downloaded. Writes league.html and league.csv.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Folder with the sets, each in a subfolder.
+    /// Folder with the data sets, each in a subfolder.
     data: PathBuf,
-    /// Name of a set to use (repeatable) [default: all]
+    /// Name of a data set to use (repeatable) [default: all]
     #[arg(long = "set", value_name = "NAME")]
     sets: Vec<String>,
     /// Also score a program, as in mine='python my.py' (repeatable).
@@ -25,7 +25,7 @@ pub struct Arguments {
     /// started once for each fold of each set.
     #[arg(long = "entry", value_name = "NAME=COMMAND", value_parser = parse_entry)]
     entries: Vec<(String, String)>,
-    /// Time limit of each program for each set, s.
+    /// Time limit of each program for each data set (s).
     #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
     time_limit: u64,
     /// Folder of the page and the table.
@@ -46,7 +46,7 @@ fn parse_entry(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// Scores all entries on all sets.
+/// Scores all entries on all data sets.
 pub fn league(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let options = LeagueOptions {
         data: arguments.data.clone(),

@@ -86,7 +86,7 @@ struct Found<'a> {
     height_px: usize,
     /// Maximum gray level of the background; for dark spots, its minimum.
     ground: u8,
-    /// Number of rings on the dome.
+    /// Number of rings of elements on the dome, or `None` if the dome is unknown.
     rings: Option<usize>,
     warnings: Vec<String>,
 }

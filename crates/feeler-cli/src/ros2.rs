@@ -30,14 +30,14 @@ pub struct Arguments {
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "ROS 2")]
 pub struct GraphArguments {
-    /// Endpoint of the graph's router (rmw_zenohd) or of another node; retried until available [default:
+    /// Endpoint of the ROS 2 router (rmw_zenohd) or of another node; retried until available [default:
     /// tcp/localhost:7447]
     #[arg(long, value_name = "ENDPOINT")]
     ros_connect: Vec<String>,
     /// Endpoint at which to listen for other nodes [default: tcp/localhost:0, any free port]
     #[arg(long, value_name = "ENDPOINT")]
     ros_listen: Vec<String>,
-    /// Domain of the graph, 0 to 232 [default: ROS_DOMAIN_ID, otherwise 0]
+    /// ROS domain, 0 to 232 [default: ROS_DOMAIN_ID, otherwise 0]
     #[arg(long, value_name = "NUMBER")]
     domain_id: Option<u32>,
     /// Namespace of the node and its topics, e.g. /left.

@@ -112,7 +112,7 @@ fn linked() -> [Schema; 9] {
     ]
 }
 
-/// Replaces the finger's number 0 in `topic` by N, and the program's place by PLACE.
+/// Replaces the finger's number 0 in `topic` by N, and the name of the program's role by PLACE.
 fn of_any_finger(topic: &str) -> String {
     let topic = topic.replace("finger/0/", "finger/N/");
     topic.replace("heartbeat/hand", "heartbeat/PLACE")

@@ -60,7 +60,7 @@ pub struct Arguments {
     /// Experiment that defines the fingertip: a file, or the name of a built-in one.
     #[arg(long, value_name = "EXPERIMENT", default_value = "cap-closing")]
     experiment: String,
-    /// Index of the finger whose fingertip it is [default: the fingertip shared by all fingers]
+    /// Index of the finger with this fingertip [default: the fingertip shared by all fingers]
     #[arg(long, value_name = "NUMBER", conflicts_with = "layout")]
     finger: Option<usize>,
     /// Maximum probability of rejecting a calibration that is still valid, if presses are independent. If all presses

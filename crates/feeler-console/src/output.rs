@@ -11,7 +11,7 @@ pub struct Output<W: Write> {
 }
 
 impl<W: Write> Output<W> {
-    /// Writes to `writer` until its reader closes it.
+    /// Creates a writer to `writer`.
     pub fn new(writer: W) -> Self {
         Self {
             writer,

@@ -1,11 +1,11 @@
-//! Output files: they never replace an input, replace an existing file only if forced, and bear their final name only
+//! Output files: they never replace an input, replace an existing file only if forced, and get their final name only
 //! when complete.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Maximum length of a table row (bytes): how far back the last line feed is searched.
+/// Maximum length of a table row (bytes): range in which the last line feed is searched.
 const MAX_ROW: u64 = 1 << 20;
 
 /// Error of creating or completing an output file.
@@ -31,12 +31,12 @@ pub enum OutputError {
         /// Cause.
         error: io::Error,
     },
-    /// The file was written in part.
+    /// Only a part of the file was written.
     #[error("{cause}; {part} is partial")]
     Partial {
         /// Cause.
         cause: Box<OutputError>,
-        /// File with the written part.
+        /// Path of the partial file.
         part: PathBuf,
     },
 }
@@ -49,8 +49,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Outputs of a command that reads `inputs`; inputs that are not files, such as a built-in experiment's name, have no
-    /// effect. Existing outputs are replaced if `force` is `true`.
+    /// Creates the outputs of a command that reads `inputs`. Inputs that are not files, such as the name of a built-in
+    /// experiment, are ignored. Existing outputs are replaced if `force` is `true`.
     pub fn new<'a>(force: bool, inputs: impl IntoIterator<Item = Option<&'a Path>>) -> Self {
         let inputs = inputs.into_iter().flatten();
         let taken = inputs.map(|path| ("an input", path.to_path_buf()));
@@ -118,7 +118,7 @@ pub struct PartFile {
 }
 
 impl PartFile {
-    /// Path of the file until it is complete.
+    /// Path of the incomplete file.
     pub fn part(&self) -> &Path {
         &self.part
     }
@@ -161,7 +161,7 @@ impl PartFile {
         let _ = fs::remove_file(&self.part);
     }
 
-    /// Removes an unterminated last line of a table, as a full disk leaves it.
+    /// Removes an incomplete last line of a table, such as one cut off by a full disk.
     pub fn drop_torn_line(&self) {
         // A file that cannot be read back stays unchanged; its name marks it as partial.
         let _ = cut_torn_line(&self.part);
@@ -200,7 +200,7 @@ pub fn cut_torn_line(path: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Returns `true` if both paths lead to the same file, also by a link or another spelling.
+/// Returns `true` if both paths refer to the same file, including by a link or another spelling.
 fn is_same_file(a: &Path, b: &Path) -> bool {
     if let (Some(a), Some(b)) = (resolved(a), resolved(b))
         && a == b

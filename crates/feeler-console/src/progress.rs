@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 /// Interval between redraws while no step completes.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Resolution of a bar over a share.
+/// Number of steps of a bar that shows a fraction.
 const PARTS: u64 = 1000;
 
 /// Progress bar or spinner that is removed when dropped.
@@ -32,7 +32,7 @@ impl Bar {
         Self(bar)
     }
 
-    /// Sets the first message, and redraws from now on even if no step completes.
+    /// Sets the first message, and enables periodic redraws even if no step completes.
     fn ticking(self, message: &'static str) -> Self {
         self.set_message(message);
         self.enable_steady_tick(TICK);
@@ -86,7 +86,7 @@ impl Reading {
         Self(bar.ticking("reading the recording"))
     }
 
-    /// Shows the `share` of the file read so far, 0 to 1.
+    /// Shows the fraction of the file that has been read, 0 to 1.
     pub fn show(&self, share: f64) {
         self.0.set_position((share * PARTS as f64) as u64);
     }
@@ -116,7 +116,7 @@ pub struct Search {
 }
 
 impl Search {
-    /// Creates a bar over the limits.
+    /// Creates a bar for a search limited to a duration (s), a number of runs, or both.
     pub fn new(seconds: Option<f64>, runs: Option<u64>) -> Self {
         Self {
             bar: Bar::new(PARTS, "{bar:32} {msg}, {elapsed}").ticking("simulating"),

@@ -16,7 +16,7 @@ pub fn warn(warning: &str) {
 /// Maximum number of queued warnings.
 const CAPACITY: usize = 64;
 
-/// Maximum time that the end of the program waits for queued warnings.
+/// Maximum time to wait for queued warnings when the program ends.
 const FLUSH_LIMIT: Duration = Duration::from_secs(1);
 
 /// Queue of warnings that a background thread prints, one a line. Warnings that do not fit are dropped and counted.
@@ -31,7 +31,7 @@ struct Queue {
 }
 
 impl Warnings {
-    /// Prints on standard error.
+    /// Creates a queue whose warnings are printed on standard error.
     pub fn on_stderr() -> Self {
         Self::shown_by(|line| {
             // If standard error is closed, the exit status and the recording report the problem.
@@ -39,7 +39,7 @@ impl Warnings {
         })
     }
 
-    /// Calls `show` with each warning, on a background thread.
+    /// Creates a queue whose warnings are passed to `show` on a background thread.
     pub fn shown_by(mut show: impl FnMut(&str) + Send + 'static) -> Self {
         let (lines, waiting) = sync_channel::<String>(CAPACITY);
         let (ends, ended) = channel::<()>();
@@ -76,7 +76,7 @@ impl Warnings {
         }
     }
 
-    /// Returns a function that queues warnings, for a program of a rig.
+    /// Returns a callback that queues warnings.
     pub fn warn(&self) -> Box<dyn FnMut(&str) + Send> {
         let warnings = self.clone();
         Box::new(move |warning| warnings.queue(warning))

@@ -12,7 +12,7 @@ pub struct RigClock(Source);
 enum Source {
     /// Real time multiplied by `speed`.
     Real { origin: Instant, speed: f64 },
-    /// Bits of a time (s) that an emulated bus advances.
+    /// Simulated time (s, as the bits of an `f64`), which an emulated bus advances.
     Lockstep(Arc<AtomicU64>),
 }
 

@@ -137,9 +137,9 @@ pub enum DriveError {
     Watchdog {
         /// The joint.
         joint: JointName,
-        /// Value written, in 20 ms.
+        /// Value written, in units of 20 ms.
         expected: i64,
-        /// Value read; -1 after the watchdog has stopped the motor.
+        /// Value read, in units of 20 ms; -1 after the watchdog has stopped the motor.
         actual: i64,
     },
     /// A joint is beyond its limits.
@@ -149,14 +149,14 @@ pub enum DriveError {
         joint: JointName,
         /// Joint angle, rad, or displacement, m.
         angle: f64,
-        /// Lower limit.
+        /// Lower limit, rad or m.
         lower: f64,
-        /// Upper limit.
+        /// Upper limit, rad or m.
         upper: f64,
         /// Unit: `rad` or `m`.
         unit: &'static str,
     },
-    /// A servo restarted in another turn.
+    /// A servo lost count of its turns when it restarted.
     #[error(
         "{joint} is at {angle:.4} {unit}, more than half a turn of the servo from its last position {before:.4} {unit}: it restarted in another turn, or was moved; home the hand again, then restart the program"
     )]
@@ -165,7 +165,7 @@ pub enum DriveError {
         joint: JointName,
         /// Position before the restart, rad or m.
         before: f64,
-        /// Position now.
+        /// Position after the restart, rad or m.
         angle: f64,
         /// Unit: `rad` or `m`.
         unit: &'static str,
@@ -181,7 +181,7 @@ pub enum DriveError {
         lower: i64,
         /// Maximum position of the joint's range, counts.
         upper: i64,
-        /// Address of the position correction.
+        /// Address of the position correction in the servo's control table.
         address: u16,
     },
     /// The adapter delivers responses late.
@@ -201,7 +201,7 @@ pub enum DriveError {
         joint: JointName,
         /// Measured velocity, rad/s or m/s.
         velocity: f64,
-        /// Maximum plausible velocity.
+        /// Maximum plausible velocity, rad/s or m/s.
         limit: f64,
         /// Unit: `rad` or `m`.
         unit: &'static str,
@@ -223,7 +223,7 @@ pub enum DriveError {
         joint: JointName,
         /// Commanded velocity, rad/s or m/s.
         velocity: f64,
-        /// Speed limit.
+        /// Speed limit, rad/s or m/s.
         limit: f64,
         /// Unit: `rad` or `m`.
         unit: &'static str,

@@ -1,4 +1,4 @@
-//! Serial ports in the time of a rig.
+//! Serial ports whose deadlines are in the time of a rig.
 
 use crate::clock::RigClock;
 use crate::port::Port;
@@ -12,7 +12,7 @@ pub struct SerialPort {
 }
 
 impl SerialPort {
-    /// Opens the port at `path` with `baud_rate`. `clock` is the time of deadlines.
+    /// Opens the port at `path` with `baud_rate`. `clock` measures the time of deadlines.
     ///
     /// # Errors
     /// If the port cannot be opened or configured, or if another program uses it.

@@ -1,4 +1,4 @@
-//! Configuration of servos before they may move. Changes only values that differ.
+//! Configuration of servos before they are allowed to move. Only writes values that differ.
 
 use crate::bus::{Bus, BusError};
 use crate::config::{DrivesConfig, JointDriveConfig};
@@ -9,7 +9,7 @@ use crate::registers::{COUNTS_PER_TURN, DriveMode, Model, Register, Registers};
 use crate::servo::JointLimits;
 use feeler::hand::FingerGeometry;
 
-/// A value of a servo that must be changed.
+/// A value that must be changed in a servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Change {
     /// Joint of the servo.

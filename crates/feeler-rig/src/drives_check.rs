@@ -127,7 +127,7 @@ pub fn check_servos(
     Ok(Outcome::Done)
 }
 
-/// Describes the mode of `drive`; empty in velocity mode.
+/// Describes the mode of `drive`; empty for velocity mode.
 fn mode(drive: &JointDriveConfig) -> String {
     match (drive.mode, drive.most_current()) {
         (DriveMode::Velocity, _) => String::new(),
@@ -138,8 +138,8 @@ fn mode(drive: &JointDriveConfig) -> String {
     }
 }
 
-/// Returns the unit in which the joint of `drive` is displayed, with its size: degrees (rad), or mm (m) of a prismatic
-/// joint.
+/// Returns the unit in which the joint of `drive` is displayed, and its size in rad or m: degrees, or millimetres for a
+/// prismatic joint.
 pub fn display_unit(drive: &JointDriveConfig) -> (&'static str, f64) {
     match drive.travel_per_turn {
         None => ("deg", 1f64.to_radians()),

@@ -16,10 +16,10 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Time that a step may wait for the disk if the rig waits for the hand. The rig considers the hand lost after 5 s.
+/// Maximum time that a step waits for the disk in lockstep. The rig considers the hand lost after 5 s.
 const LOCKSTEP_PATIENCE: Duration = Duration::from_secs(1);
 
-/// Returns the time that a hand may wait for its recording: zero unless the rig waits for the hand.
+/// Returns the maximum time that a step waits for its recording: zero except in lockstep.
 pub fn patience(speed: RigSpeed) -> Backpressure {
     Backpressure::Limited(match speed {
         RigSpeed::Lockstep => LOCKSTEP_PATIENCE,
@@ -41,7 +41,7 @@ pub struct HandRecord {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
     Written,
-    /// The disk accepts no data; the number of messages dropped before.
+    /// The disk accepts no data; contains the number of messages that had been dropped before.
     Full(u64),
     Failed,
 }
@@ -131,8 +131,8 @@ impl HandRecord {
         }
     }
 
-    /// Closes the recording of a run with the given duration (s) and result, and creates its report as far as the
-    /// disk allows.
+    /// Closes the recording of a run with the given duration (s) and result, and creates its report unless the disk
+    /// accepts no data.
     pub fn finish(self, wall_time: f64, end: RunEnd) -> FinishedRecord {
         let Self {
             log,

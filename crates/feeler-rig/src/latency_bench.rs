@@ -123,7 +123,7 @@ impl Drop for Ended {
     }
 }
 
-/// The rig and the sensors of all fingers in one program.
+/// The rig and the sensors of all fingers, simulated in one program.
 struct Sensors {
     network: Arc<dyn Network>,
     /// Messages received from the hand.
@@ -132,7 +132,7 @@ struct Sensors {
     world: u64,
     fingers: Vec<u64>,
     elements: usize,
-    /// Joint positions of all fingers in the home posture, as in a message.
+    /// Joint positions of all fingers in the home posture, in the layout of a state message.
     home: Vec<Vector3>,
     /// Control period in the rig's time (s).
     period: f64,

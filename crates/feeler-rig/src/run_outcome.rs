@@ -41,7 +41,7 @@ pub fn print_outcome(made: &ReportOutcome, out: &mut dyn Write) -> io::Result<()
     writeln!(out, "{}", made.report_path.display())
 }
 
-/// Main results of a run that were measured.
+/// Describes the measured main results of a run.
 fn achieved(summary: &Summary) -> Vec<String> {
     let mut achieved = Vec::new();
     // Opening a cap ends at its loosest.

@@ -22,10 +22,10 @@ use std::path::Path;
 /// Folder of pseudo-terminals. Servos there are emulated and may run at any speed.
 const PSEUDO_TERMINALS: &str = "/dev/pts";
 
-/// Options of serving servos.
+/// Options of a program that serves servos.
 #[derive(Debug, Clone)]
 pub struct DrivesOptions {
-    /// Serial port in place of the experiment's, if given.
+    /// Serial port, or `None` for the experiment's.
     pub port: Option<String>,
     /// `true` to emulate the bus, with the simulated world behind it.
     pub emulated: bool,

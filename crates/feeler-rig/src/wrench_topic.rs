@@ -1,4 +1,4 @@
-//! A ROS 2 topic of wrenches as a force sensor.
+//! Force sensor that reads wrenches from a ROS 2 topic.
 
 use std::str::FromStr;
 
@@ -12,7 +12,7 @@ const EXPECTED: &str = "expected ros2:/TOPIC, or ros2:/TOPIC?connect=tcp/HOST:PO
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WrenchAddress {
     topic: String,
-    /// Endpoint of the graph's router or of another node.
+    /// Endpoint of the ROS 2 router or of another node.
     connect: Option<String>,
     domain: Option<u32>,
 }
@@ -91,7 +91,7 @@ mod topic {
         Silent {
             /// The topic.
             topic: String,
-            /// The domain.
+            /// The ROS domain.
             domain: u32,
         },
         /// A wrench is not finite.
@@ -99,7 +99,7 @@ mod topic {
         Value {
             /// The topic.
             topic: String,
-            /// Force and torque.
+            /// Force (N) and torque (N m).
             actual: [f64; 6],
         },
     }
@@ -108,7 +108,7 @@ mod topic {
     pub struct WrenchTopic {
         topic: String,
         samples: Receiver<ForceSample>,
-        /// Time of the latest wrench, or of the latest report of silence.
+        /// Time of the latest wrench, or of the latest error that the topic is silent.
         heard: Cell<Instant>,
         node: Node,
         _subscription: Subscription,

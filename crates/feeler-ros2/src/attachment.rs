@@ -13,7 +13,7 @@ pub struct Attachment {
     pub sequence: i64,
     /// Time of sending (ns since 1970).
     pub stamp_ns: i64,
-    /// Source of the message.
+    /// Identifier of the message's source.
     pub gid: Gid,
 }
 
@@ -21,7 +21,7 @@ pub struct Attachment {
 pub const BYTES: usize = 33;
 /// Length of an attachment from `rmw_zenoh` 0.2.0 to 0.2.3, in bytes.
 const OLD_BYTES: usize = 77;
-/// Length prefix of the source identifier.
+/// Value of the length prefix of the source identifier.
 const GID_BYTES: u8 = 16;
 
 /// Error when decoding an [`Attachment`].

@@ -81,7 +81,7 @@ impl<S: Service> Client<S> {
         })
     }
 
-    /// Decodes a reply to the latest request. Returns `None` for a reply to another one.
+    /// Decodes a reply to the latest request. Returns `None` for a reply to an earlier one.
     fn response(&self, reply: &Reply) -> Result<Option<S::Response>, NodeError> {
         let refused = |why: String| NodeError::Refused {
             service: S::NAME,

@@ -36,14 +36,14 @@ pub enum StaleError {
         /// Maximum age (s).
         most: f64,
     },
-    /// The stamp is in the future, so the clocks are not synchronised.
+    /// The stamp is in the future, because the clocks are not synchronised.
     #[error(
         "{topic}: data are stamped {ahead:.3} s ahead of the clock of this node; synchronise the clocks, or set use_sim_time on both sides"
     )]
     Ahead {
         /// Name of the topic.
         topic: String,
-        /// Stamp minus the current time of the graph (s).
+        /// Stamp minus the current time of the graph's clock (s).
         ahead: f64,
     },
     /// No message has arrived for too long.
@@ -63,7 +63,7 @@ pub enum StaleError {
     NoClock,
 }
 
-/// Clock of the stamps in a graph. Clones share the subscription of a simulated clock.
+/// Clock of the stamps in a ROS 2 graph. Clones share the subscription of a simulated clock.
 #[derive(Clone)]
 pub enum GraphClock {
     /// Wall clock of this computer.
@@ -117,18 +117,18 @@ pub struct Freshness {
     pub topic: String,
     /// Clock of the stamps.
     pub clock: GraphClock,
-    /// Maximum age (s of the graph's time).
+    /// Maximum age (s, by `clock`).
     pub most: f64,
-    /// Speed of the graph's clock relative to real time; 1 unless simulated.
+    /// Speed of `clock` relative to real time; 1 unless simulated.
     pub speed: f64,
 }
 
 impl Freshness {
-    /// Returns the age (s of the graph's time) of data with `stamp` (s) that arrived at `arrived`: the larger of the
-    /// ages by stamp and by arrival. Allocates only if it returns an error.
+    /// Returns the age (s, by `clock`) of data with `stamp` (s) that arrived at `arrived`: the larger of the ages by
+    /// stamp and by arrival. Allocates only if it returns an error.
     ///
     /// # Errors
-    /// If no data have arrived yet, `error` is set, the data are too old, or their stamp is in the future.
+    /// If no data have arrived yet, `error` is given, the data are too old, or their stamp is in the future.
     pub fn check(
         &self,
         stamp: f64,
@@ -145,8 +145,8 @@ impl Freshness {
     }
 
     /// Returns `true` if data with `stamp` (s) supersede the latest, which have the stamp `newest` (s) and arrived at
-    /// `arrived`. Data whose stamp is not newer arrived out of order. They are accepted only after a silence, as the
-    /// sender may have restarted or its clock may have been set.
+    /// `arrived`. Data whose stamp is not newer arrived out of order. They are accepted only after a time without data,
+    /// because the sender may have restarted or its clock may have been set.
     pub(crate) fn is_news(&self, stamp: f64, newest: f64, arrived: Option<Instant>) -> bool {
         let silent = arrived.is_none_or(|arrived| self.is_silent(arrived.elapsed()));
         silent || stamp > newest

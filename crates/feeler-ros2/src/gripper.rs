@@ -1,4 +1,4 @@
-//! Drives a gripper by the action `control_msgs/ParallelGripperCommand`, whose goals are positions.
+//! Drives a gripper through the action `control_msgs/ParallelGripperCommand`, whose goals are positions.
 
 use crate::client::Client;
 use crate::freshness::lock;
@@ -12,15 +12,15 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 use twox_hash::XxHash3_128;
 
-/// Name of the service of an action that accepts goals.
+/// Suffix of an action's name that yields its service for goals.
 const SEND_GOAL: &str = "/_action/send_goal";
 
-/// Gripper of a ROS 2 graph that moves all fingers by one motor.
+/// Gripper of a ROS 2 graph that moves all fingers with one motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GripperConfig {
     /// Name of its action (`control_msgs/ParallelGripperCommand`), such as `/gripper_controller/gripper_cmd`.
     pub action: String,
-    /// Maximum effort of its joint (N or N m), sent with each goal. `None` for the controller's own limit.
+    /// Maximum effort of its joint (N or N m), sent with each goal; if `None`, the controller's limit applies.
     pub max_effort: Option<f64>,
     /// Minimum interval between two goals (s of real time).
     pub interval: f64,
@@ -30,15 +30,16 @@ pub struct GripperConfig {
     pub speed: f64,
 }
 
-/// Goal position that follows the mean velocity of the fingers on a leash, and its background sender. Without commands,
-/// nothing is sent: the gripper moves to its latest goal, at most a leash away, and holds.
+/// Goal position of a gripper, and its background sender. The goal moves at the mean velocity of the fingers, within a
+/// maximum distance (leash) of the measured position. Without commands, nothing is sent: the gripper moves to its
+/// latest goal and holds it.
 pub(crate) struct Gripper {
     goal: LeashedGoal,
-    /// `true` once the goal is where the gripper was at the first command to move.
+    /// `true` after the first command to move, when the goal was set to the measured position.
     is_held: bool,
-    /// Stamp of the joint states of the previous command (s), or `None` if it was to stop.
+    /// Stamp of the joint states of the previous command (s), or `None` if it was a stop.
     commanded_at: Option<f64>,
-    /// Maximum age of joint states (s of the graph's time).
+    /// Maximum age of joint states (s, by the graph's clock).
     most_age: f64,
     waiting: Arc<Waiting>,
     thread: Option<JoinHandle<()>>,
@@ -49,7 +50,7 @@ struct Waiting {
     changed: Condvar,
 }
 
-/// Goal to send next, shared with the thread.
+/// Goal to send next, shared with the sending thread.
 #[derive(Default)]
 struct Goal {
     /// Position (m or rad), and the time at which it expires.
@@ -108,8 +109,8 @@ impl Gripper {
         })
     }
 
-    /// Advances the goal by the mean of the fingers' `velocities`, based on the joint states `state`, and sends it unless
-    /// `until` has passed before. Zero velocities stop: the gripper keeps its goal. Neither blocks nor allocates.
+    /// Moves the goal at the mean of the fingers' `velocities`, based on the joint states `state`, and queues it to be
+    /// sent before `until`. Zero velocities stop the gripper: its goal remains unchanged. Neither blocks nor allocates.
     ///
     /// # Errors
     /// If an earlier goal was not accepted.

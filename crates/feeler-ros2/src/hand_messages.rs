@@ -23,13 +23,13 @@ pub struct HandMessages {
 
 /// Tactile messages of one finger.
 pub struct FingerMessages {
-    /// Force (N) and torque (N m) on the fingertip, about the dome's centre.
+    /// Force (N) on the fingertip, and torque (N m) about the dome's centre.
     pub wrench: WrenchStamped,
-    /// Tip position (m) of each element and force on it (N), in the dome's frame.
+    /// Tip position (m) of each element, and force on it (N), in the dome's frame.
     pub taxels: PointCloud2,
     /// Flags, and force on each element in the element's frame (N).
     pub tactile: TactileState,
-    /// Self-describing: forces, shear rates and contact with geometry, units, rate and validity.
+    /// Forces, shear rates and contact, with geometry, units, rate and validity.
     pub array: TactileArray,
     elements: Elements,
 }
@@ -86,8 +86,8 @@ impl HandMessages {
         })
     }
 
-    /// Sets the joint angles (rad) and velocities (rad/s) of the fingers, in order, and the transforms that depend on
-    /// them. Transforms of fingers beyond the end of `joints` do not change.
+    /// Sets the joint positions (rad or m) and velocities (rad/s or m/s) of the fingers, in order, and the transforms
+    /// that depend on them. Transforms of fingers beyond the end of `joints` do not change.
     pub fn set_joints(
         &mut self,
         stamp: Time,

@@ -30,7 +30,7 @@ pub enum JointError {
         quantity: &'static str,
         /// Name of the joint.
         joint: String,
-        /// Value in the message, if any.
+        /// Value in the message, or `None` if it is missing.
         actual: Option<f64>,
     },
 }
@@ -39,7 +39,7 @@ pub enum JointError {
 #[derive(Debug, Clone)]
 pub struct JointReader {
     names: JointNames,
-    /// Index of each joint in the previous message, tried first in the next.
+    /// Index of each joint in the previous message, where it is looked up first in the next one.
     places: Vec<usize>,
 }
 

@@ -69,14 +69,15 @@ const PRIMITIVES: [(&str, u8); 15] = [
 const NESTED: u8 = 1;
 const STRING: u8 = 17;
 const WSTRING: u8 = 18;
-/// Added to the identifier of a string type for strings of bounded length.
+/// Offset of the identifier of bounded strings from that of unbounded strings.
 const BOUNDED: u8 = 4;
-/// Added to the identifier of the element type for arrays, bounded sequences and unbounded sequences.
+/// Offsets of the identifiers of arrays, bounded sequences and unbounded sequences from that of the element type.
 const ARRAY: u8 = 48;
 const BOUNDED_SEQUENCE: u8 = 96;
 const SEQUENCE: u8 = 144;
 
-/// Parses `text`, the definition of the type `name` followed by those of nested types, and adds all of them to `types`.
+/// Parses `text`, which contains the definition of the type `name` and then those of nested types, and adds all types
+/// to `types`.
 pub fn add_text(
     name: &str,
     text: &str,

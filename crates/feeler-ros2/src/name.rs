@@ -15,7 +15,7 @@ pub enum NameError {
         "{what} {name:?}: expected letters, digits and underscores, not beginning with a digit, got {part:?}"
     )]
     Part {
-        /// Kind of name.
+        /// Kind of name: `namespace`, `node name` or `topic`.
         what: &'static str,
         /// Full name of the node, with its namespace.
         name: String,
@@ -25,7 +25,7 @@ pub enum NameError {
     /// The name is too long.
     #[error("{what}: expected at most {MAX_BYTES} bytes, got {bytes}")]
     Long {
-        /// Kind of name.
+        /// Kind of name: `namespace`, `node name` or `topic`.
         what: &'static str,
         /// Length in bytes.
         bytes: usize,

@@ -25,7 +25,8 @@ pub const NODE_ENDPOINT: &str = "tcp/localhost:0";
 pub struct NodeConfig {
     /// Domain, namespace and name.
     pub name: NodeName,
-    /// Endpoints of routers or other nodes, in Zenoh's notation. Connections are retried forever in the background.
+    /// Endpoints of routers or other nodes, in Zenoh's notation. Failed connections are retried indefinitely in the
+    /// background.
     pub connect: Vec<String>,
     /// Endpoints to listen on.
     pub listen: Vec<String>,
@@ -173,7 +174,7 @@ impl Node {
     }
 }
 
-/// Returns the token of the only node `name` of `session`, or of its endpoint number `entity_id`.
+/// Returns the token of the node `name`, the only one of `session`, or of its endpoint number `entity_id`.
 fn token(session: &Session, name: &NodeName, entity_id: u64, endpoint: Option<Endpoint>) -> Token {
     Token {
         domain: name.domain(),

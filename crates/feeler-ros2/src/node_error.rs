@@ -38,7 +38,7 @@ pub enum NodeError {
     Refused {
         /// Type of the service.
         service: &'static str,
-        /// The server's message, or the problem of its response.
+        /// The server's error message, or the problem of its response.
         why: String,
     },
     /// A thread could not be started.

@@ -66,8 +66,8 @@ impl<M: Message> Publisher<M> {
         })
     }
 
-    /// Publishes `message`. If the network is congested, drops the message, or blocks if the quality of service is
-    /// reliable and keeps all messages.
+    /// Publishes `message`. If the network is congested, drops the message; if the quality of service is reliable and
+    /// keeps all messages, blocks instead.
     ///
     /// # Errors
     /// If the message cannot be encoded, or the session is closed.

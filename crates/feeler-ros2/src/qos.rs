@@ -1,6 +1,6 @@
 //! Quality of service, and its encoding in liveliness tokens.
 
-/// Default depth of `rmw_zenoh`, which is omitted from tokens.
+/// Default depth of `rmw_zenoh`; tokens omit it.
 const DEFAULT_DEPTH: usize = 42;
 
 /// Quality of service of a publisher or subscriber. Deadline, lifespan and liveliness are unlimited.
@@ -63,7 +63,7 @@ impl Qos {
         ..Self::DEFAULT
     };
 
-    /// Encodes the quality of service as in tokens. Default values are omitted.
+    /// Encodes the quality of service in the format of liveliness tokens. Default values are omitted.
     pub fn encode(&self) -> String {
         let reliability = match self.reliability {
             Reliability::Reliable => "",

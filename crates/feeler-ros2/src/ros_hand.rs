@@ -21,20 +21,21 @@ pub struct RosHandConfig {
     pub joints: JointNames,
     /// Topic of the joint states, such as `/joint_states`.
     pub joint_states: String,
-    /// Way in which the joints are moved.
+    /// Interface that moves the joints.
     pub commands: RosCommands,
-    /// Maximum age of joint states (s of the graph's time).
+    /// Maximum age of joint states (s, by the graph's clock).
     pub most_age: f64,
     /// Speed of the graph's clock relative to real time; 1 unless simulated.
     pub speed: f64,
 }
 
-/// Way in which the joints of a robot are moved.
+/// Interface that moves the joints of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RosCommands {
-    /// Velocities on this topic of a `forward_command_controller`, such as `/forward_velocity_controller/commands`.
+    /// Velocities, sent on this topic of a `forward_command_controller`, such as
+    /// `/forward_velocity_controller/commands`.
     Velocities(String),
-    /// Goals for the joint of the first finger, which moves all fingers. Each finger has one joint.
+    /// Goals for the joint of the first finger, whose motor moves all fingers. Each finger has one joint.
     Gripper(GripperConfig),
 }
 
@@ -50,9 +51,9 @@ enum Drive {
 /// command, so commanding neither blocks nor allocates.
 ///
 /// A `forward_command_controller` executes the last velocities until it receives others. Zeros are therefore sent if
-/// joint states or commands are too old, and when this is dropped. If the program is killed or the network fails, only
-/// a watchdog in the robot can stop it. A gripper instead keeps its latest goal, at most the distance at its speed limit
-/// within the maximum age of joint states away.
+/// joint states or commands are too old, and when the hand is dropped. If the program is killed or the network fails,
+/// only a watchdog in the robot can stop it. A gripper instead moves to its latest goal, which is at most as far away
+/// as it moves at its speed limit within the maximum age of joint states.
 pub struct RosHand {
     newest: Arc<Mutex<Newest>>,
     freshness: Arc<Freshness>,
@@ -181,7 +182,7 @@ impl RosHand {
         self.freshness.clock.now()
     }
 
-    /// Returns the age of the joint states (s of the graph's time), or an error if they are too old or invalid.
+    /// Returns the age of the joint states (s, by the graph's clock), or an error if they are too old or invalid.
     fn age(&self, newest: &Newest) -> Result<f64, HandError> {
         let (stamp, arrived) = (newest.state.stamp, newest.arrived);
         let fresh = self.freshness.check(stamp, arrived, newest.error.as_ref());

@@ -17,9 +17,9 @@ use std::time::{Duration, Instant};
 pub struct SensorAge {
     /// Clock of the stamps.
     pub clock: GraphClock,
-    /// Maximum age (s of the graph's time).
+    /// Maximum age (s, by `clock`).
     pub most: f64,
-    /// Speed of the graph's clock relative to real time; 1 unless simulated.
+    /// Speed of `clock` relative to real time; 1 unless simulated.
     pub speed: f64,
 }
 
@@ -48,8 +48,8 @@ struct Newest {
 }
 
 impl RosSensor {
-    /// Creates a fingertip with one element from the wrenches on `topic`. Their force is on the fingertip by the
-    /// touched object (N), in a frame whose z axis points outward. Torques are ignored.
+    /// Creates a fingertip with one element from the wrenches on `topic`. Their force acts on the fingertip, exerted by
+    /// the touched object (N), in a frame whose z axis points outward. Torques are ignored.
     ///
     /// # Errors
     /// If `topic` is not a valid name, or the node's session is closed.
@@ -122,8 +122,8 @@ impl RosSensor {
         })
     }
 
-    /// Waits for at most `longest` until the sequence number of the latest data differs from `sequence`, which is 0
-    /// before the first. Returns `false` on timeout.
+    /// Waits for at most `longest` until the sequence number of the latest data differs from `sequence` (0 before the
+    /// first data). Returns `false` on timeout.
     pub fn wait_for_next(&self, sequence: u64, longest: Duration) -> bool {
         let is_old = |newest: &mut Newest| newest.frame.sequence == sequence;
         let waited =

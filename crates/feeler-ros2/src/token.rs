@@ -25,7 +25,7 @@ pub struct Token {
     pub session: String,
     /// Identifier of the node in its session.
     pub node_id: u64,
-    /// Identifier of the endpoint in its session; `node_id` for the token of a node.
+    /// Identifier of the endpoint in its session; equal to `node_id` in the token of a node.
     pub entity_id: u64,
     /// Security enclave; may be empty.
     pub enclave: String,
@@ -84,7 +84,7 @@ impl Token {
         XxHash3_128::oneshot(self.to_string().as_bytes()).to_le_bytes()
     }
 
-    /// Announces the node or endpoint until the result is dropped.
+    /// Announces the node or endpoint until the returned token is dropped.
     #[cfg(feature = "zenoh")]
     pub(crate) fn declare(
         &self,

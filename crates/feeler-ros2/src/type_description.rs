@@ -18,7 +18,7 @@ pub struct TypeDescription {
     referenced_type_descriptions: Vec<IndividualType>,
 }
 
-/// Definitions of the types nested in a service's event, except request and response.
+/// Definitions of the types nested in a service's event, except its request and response.
 const EVENT_PARTS: &str = texts!("service_msgs/ServiceEventInfo", "builtin_interfaces/Time");
 
 /// Type of a service, with its request and response messages.
@@ -118,7 +118,7 @@ impl TypeDescription {
     }
 }
 
-/// Formats JSON like Python, with a space after each comma and colon.
+/// JSON formatter that writes a space after each comma and colon, like Python.
 struct Spaced;
 
 impl serde_json::ser::Formatter for Spaced {

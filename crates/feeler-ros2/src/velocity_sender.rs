@@ -8,8 +8,8 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Background sender of joint velocities. Sends the latest velocities unless they have expired. Sends zeros if no new
-/// velocities are set for too long, and when dropped.
+/// Background sender of joint velocities. Sends the latest velocities. Sends zeros if these have expired, if no new
+/// ones are set for too long, and when dropped.
 pub(crate) struct VelocitySender {
     waiting: Arc<Waiting>,
     thread: Option<JoinHandle<()>>,
@@ -59,7 +59,7 @@ impl VelocitySender {
         })
     }
 
-    /// Sets the velocities (rad/s) to send next, which expire at `until`. Neither blocks nor allocates.
+    /// Sets the velocities (rad/s or m/s) to send next, which expire at `until`. Neither blocks nor allocates.
     ///
     /// # Errors
     /// If sending earlier velocities failed. The new ones are sent nevertheless.

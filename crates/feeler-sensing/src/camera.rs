@@ -61,18 +61,18 @@ pub struct OpenCamera {
 /// Settings of a camera besides size and rate.
 #[derive(Debug, Clone, Default)]
 pub struct CameraOptions {
-    /// Exposure time (s), or `None` to leave it as the camera is set.
+    /// Exposure time (s), or `None` to keep the camera's setting.
     pub exposure: Option<f64>,
-    /// Gain in the camera's own unit, or `None` to leave it as the camera is set.
+    /// Gain in the camera's unit, or `None` to keep the camera's setting.
     pub gain: Option<f64>,
     /// Column and row of the camera's sensor at which the images begin (px), or `None` for the origin.
     pub roi_offset: Option<(usize, usize)>,
-    /// Trigger, or `None` for the camera's own clock.
+    /// Trigger, or `None` for the camera's internal clock.
     pub trigger: Option<Trigger>,
 }
 
 impl CameraOptions {
-    /// Name of the first option that is given.
+    /// Returns the name of the first given option, if any.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--exposure", self.exposure.is_some()),

@@ -24,8 +24,8 @@ pub struct SkinRecordOptions {
     pub force: bool,
 }
 
-/// Writes the readings of a skin, before its zero is subtracted, to a table that `feeler sense` and `feeler calibrate`
-/// read with the same layout. Frames that are lost leave a gap in the time.
+/// Writes the raw readings of a skin, without subtracting its zero, to a table that `feeler sense` and `feeler
+/// calibrate` read with the same layout. A lost frame leaves a gap in the time column.
 ///
 /// # Errors
 /// If the layout is invalid, the port cannot be opened, or writing fails.

@@ -13,7 +13,7 @@ use std::time::Duration;
 #[derive(Debug)]
 pub struct PseudoTerminal {
     ours: File,
-    /// The other end, kept open so that the device continues between two programs.
+    /// The terminal's other end, kept open so that the port remains usable after a program closes it.
     _theirs: OwnedFd,
     path: String,
 }

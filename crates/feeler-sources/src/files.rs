@@ -12,7 +12,7 @@ pub enum FilesError {
     Read {
         /// Path of the file or folder.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A folder contains no image file.
@@ -31,7 +31,8 @@ pub enum FilesError {
 
 /// A camera that reads a list of image files. File k (from 0) is frame k, with the stamp `k / rate`.
 ///
-/// A file that cannot be read or decoded returns [`CameraError::Unreadable`]; the next call reads the next file.
+/// If a file cannot be read or decoded, capturing returns [`CameraError::Unreadable`]; the next call reads the next
+/// file.
 #[derive(Debug, Clone)]
 pub struct PictureFiles {
     files: Vec<PathBuf>,

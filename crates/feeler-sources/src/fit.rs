@@ -39,7 +39,7 @@ pub enum FitError {
 pub struct Fit {
     offered: (usize, usize),
     wanted: (usize, usize),
-    /// Columns (and rows) of the offered image per output pixel.
+    /// Number of columns (and of rows) of the offered image per output pixel.
     cell: f64,
 }
 
@@ -89,7 +89,7 @@ impl Fit {
         self.offered == self.wanted
     }
 
-    /// Largest of 1, 2, 4 and 8 by which an image can be scaled down without becoming smaller than the wanted one.
+    /// Largest of 1, 2, 4 and 8 by which an image can be divided without becoming smaller than the wanted size.
     pub fn denominator(&self) -> usize {
         let fits = |&denominator: &usize| denominator as f64 <= self.cell;
         [8, 4, 2].into_iter().find(fits).unwrap_or(1)

@@ -119,7 +119,7 @@ impl GenicamCamera {
         self.opened
     }
 
-    /// Waits until the next image is due and triggers it, if the trigger is by software.
+    /// Waits until the next image is due and triggers it, if the trigger is `Software`.
     fn trigger(&mut self) -> Result<(), CameraError> {
         if self.settings.trigger != Trigger::Software {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Detects truncated JPEG files, in which decoders make up the missing part.
+//! Detects truncated JPEG files, whose missing part decoders fill in without an error.
 
 const START_OF_IMAGE: u8 = 0xD8;
 const END_OF_IMAGE: u8 = 0xD9;
@@ -29,21 +29,21 @@ pub fn is_whole(bytes: &[u8]) -> bool {
     false
 }
 
-/// Next marker and the bytes after it.
+/// Returns the next marker and the bytes after it.
 fn next_marker(bytes: &[u8]) -> Option<(u8, &[u8])> {
     let start = bytes.iter().position(|&byte| byte == 0xFF)?;
     let code = start + bytes[start..].iter().position(|&byte| byte != 0xFF)?;
     Some((bytes[code], &bytes[code + 1..]))
 }
 
-/// Bytes after a segment, which starts with its own length (including the length field).
+/// Returns the bytes after a segment, which starts with its length (including the length field).
 fn segment(bytes: &[u8]) -> Option<&[u8]> {
     let length = u16::from_be_bytes(*bytes.first_chunk::<2>()?);
     bytes.get(usize::from(length.max(2))..)
 }
 
-/// Length of the entropy-coded data up to the next marker; within the data, 0xFF is followed by 0 or a restart
-/// marker.
+/// Returns the length of the entropy-coded data up to the next marker. Within the data, 0xFF is followed by 0 or a
+/// restart marker.
 fn scan_length(bytes: &[u8]) -> usize {
     let ends = |pair: &[u8]| pair[0] == 0xFF && pair[1] != 0 && !RESTARTS.contains(&pair[1]);
     let marker = bytes.windows(2).position(ends);

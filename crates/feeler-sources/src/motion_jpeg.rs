@@ -36,7 +36,7 @@ pub struct MotionJpeg {
     fit: Fit,
     denominator: usize,
     average: AreaAverage,
-    /// Buffers of the last image's planes, to be reused.
+    /// Plane buffers of the latest image, to be reused.
     planes: Vec<Vec<u8>>,
 }
 

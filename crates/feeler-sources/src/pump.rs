@@ -25,7 +25,7 @@ pub struct Captured {
 }
 
 impl Captured {
-    /// A failure of the camera that occurs now.
+    /// Creates a result for a camera failure that occurs now.
     fn failure(words: String) -> Self {
         Self {
             frame: Err(CameraError::Failed(words)),
@@ -37,8 +37,8 @@ impl Captured {
 
 /// Captures from a camera on a background thread.
 ///
-/// The thread ends with the camera, or at its next image after the pump is dropped. Dropping waits up to half a
-/// second for that. A thread whose camera never delivers another image is left waiting.
+/// The thread ends with the camera, or at its next image after the pump is dropped. Dropping waits up to half a second
+/// for that. If the camera never delivers another image, the thread keeps waiting.
 #[derive(Debug)]
 pub struct FramePump {
     captured: Receiver<Captured>,

@@ -128,8 +128,8 @@ fn refuse_unsupported(config: &VideoConfig) -> Result<(), VideoError> {
     }
 }
 
-/// Opens the camera with the first coding that it offers in the wanted size, or else with the format that is best
-/// scaled to it.
+/// Opens the camera with the first coding that it offers in the wanted size, otherwise with the format that is best for
+/// scaling to it.
 fn negotiate(config: &VideoConfig) -> Result<(VideoCaptureDevice, Coding, Fit), VideoError> {
     let wanted = config.settings.size;
     let mut offered = Vec::new();
@@ -167,7 +167,7 @@ fn negotiate(config: &VideoConfig) -> Result<(VideoCaptureDevice, Coding, Fit), 
 enum Asked {
     /// The format is set.
     Given(VideoCaptureDevice, Fit),
-    /// The driver offers another format: its description, and if it can be decoded, the candidate.
+    /// The driver offers another format: its description, and the candidate if it can be decoded.
     Other(String, Option<Candidate>),
 }
 
@@ -239,7 +239,7 @@ impl Camera for VideoCamera {
 }
 
 impl VideoCamera {
-    /// Error for a device that delivers no further images.
+    /// Returns the error for a device that delivers no further images.
     fn lost(&self, error: &io::Error) -> CameraError {
         let unplugged = match error.raw_os_error() {
             Some(NO_SUCH_DEVICE) => "; the camera was unplugged",

@@ -6,7 +6,7 @@ use feeler_lab::config::{BUILT_IN, BuiltIn, Experiment, ExperimentConfig, Sensin
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-/// Experiments and laws that a page can run.
+/// Names of the experiments and laws that a page can run.
 #[derive(Serialize)]
 struct Catalogue {
     version: &'static str,
@@ -22,7 +22,7 @@ struct Entry {
     seed: u64,
     sensing: Sensing,
     law: &'static str,
-    /// Values of the experiment, with defaults.
+    /// Values of the experiment, including defaults.
     config: ExperimentConfig,
 }
 

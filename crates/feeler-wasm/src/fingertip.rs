@@ -1,4 +1,4 @@
-//! Markers of a fingertip in the images of a video or a camera, and forces by a calibration.
+//! Tracks the markers of a fingertip in the images of a video or a camera, and computes forces with a calibration.
 
 use crate::forces::Forces;
 use crate::js;
@@ -73,7 +73,7 @@ impl Fingertip {
     }
 
     /// Loads a calibration from the file content `text`; later images yield forces. The next image must show the
-    /// untouched fingertip. Returns `true` if the calibration is of the elements, which gives flags.
+    /// untouched fingertip. Returns `true` if the calibration yields the force on each element, and therefore flags.
     ///
     /// # Errors
     /// If the calibration is invalid, or was made for another layout; then there are no forces.
@@ -163,7 +163,7 @@ impl Fingertip {
         self.layout.to_toml().map_err(js)
     }
 
-    /// Possible problems of the located markers, as sentences.
+    /// Warnings about the located markers, as sentences.
     pub fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
     }

@@ -1,4 +1,4 @@
-//! Forces on a fingertip, computed with a calibration file, and the paper's flags.
+//! Forces on a fingertip and the flags of the paper, computed with a calibration file.
 
 use feeler::control::{ControlConfig, FlagAnalyzer, FlagThresholds};
 use feeler::sensor::forces::{ElementReading, NO_FORCE, SensingChain, TactileFrame};
@@ -28,7 +28,7 @@ enum Kind {
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Sensed {
-    /// Flags and grasp force, with a calibration of the elements.
+    /// Flags and grasp force, from the forces on the elements.
     Elements {
         touch: bool,
         slip: bool,
@@ -42,7 +42,7 @@ pub enum Sensed {
     Wrench {
         /// Force (N) and torque (N m); `None` for components that are not calibrated.
         components: [Option<f64>; AXES],
-        /// `false` if the image is unlike those of the calibration.
+        /// `false` if the image differs too much from those of the calibration.
         valid: bool,
     },
 }
@@ -85,7 +85,7 @@ impl Forces {
         }
     }
 
-    /// Returns `true` for a calibration of the elements, which gives flags.
+    /// Returns `true` if the calibration yields the force on each element, and therefore flags.
     pub fn has_flags(&self) -> bool {
         matches!(self.kind, Kind::Elements { .. })
     }

@@ -1,11 +1,11 @@
-//! Reads a file that the user chose, piece by piece and without copying it whole.
+//! Reads a file selected by the user block by block, without copying the whole file.
 
 use js_sys::Uint8Array;
 use std::io::{self, Read, Seek, SeekFrom};
 use wasm_bindgen::JsValue;
 use web_sys::{Blob, FileReaderSync};
 
-/// A file of the browser, readable in a worker.
+/// A file selected in the browser, readable in a worker.
 pub struct JsFile {
     blob: Blob,
     reader: FileReaderSync,

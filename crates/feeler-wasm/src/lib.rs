@@ -15,7 +15,7 @@ pub use run::{FinishedRun, Run};
 
 use wasm_bindgen::JsError;
 
-/// Converts an error to one of JavaScript with the same message.
+/// Converts an error to a JavaScript error with the same message.
 fn js(error: impl std::fmt::Display) -> JsError {
     JsError::new(&error.to_string())
 }

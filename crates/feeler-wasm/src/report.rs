@@ -1,4 +1,4 @@
-//! Reports of recordings that the user chose.
+//! Reports of recordings selected by the user.
 
 use crate::js;
 use crate::js_file::JsFile;
@@ -9,7 +9,7 @@ use std::path::Path;
 use wasm_bindgen::prelude::*;
 use web_sys::File;
 
-/// Bytes that are read from a file at once.
+/// Number of bytes that are read from a file at once.
 const BLOCK: usize = 1 << 20;
 
 /// Returns the report page (HTML) of a recording. Calls `progress` with the fraction that has been read, 0 to 1. The

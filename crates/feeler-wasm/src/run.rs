@@ -14,7 +14,7 @@ use std::io::Cursor;
 use std::path::Path;
 use wasm_bindgen::prelude::*;
 
-/// Name of the page as source of a stop.
+/// Name under which the page stops the hand.
 const BY: &str = "the page";
 
 /// A simulated run with its recording in memory.
@@ -79,7 +79,7 @@ impl Run {
     }
 
     /// Advances by up to `steps` control steps, and stops early at the end. Returns a row for each step, one after the
-    /// other, in the form of a live page's messages: the time (f64) and the other numbers (f32), little-endian.
+    /// other, in the format of a live page's messages: the time (f64) and the other numbers (f32), little-endian.
     ///
     /// # Errors
     /// If a sensor or the hand fails.
@@ -122,7 +122,7 @@ impl Run {
         serde_json::to_string(&state).map_err(js)
     }
 
-    /// Stops the hand; the world continues.
+    /// Stops the hand; the simulated world continues.
     pub fn stop(&mut self) {
         self.session.stop(BY);
     }
@@ -132,7 +132,7 @@ impl Run {
         self.session.resume();
     }
 
-    /// Multiplies the friction of the feelers on all objects by `factor` from now on.
+    /// Multiplies the coefficient of friction of the feelers on all objects by `factor` from now on.
     pub fn set_friction(&mut self, factor: f64) {
         self.session.rig().world().set_friction_factor(factor);
     }
@@ -179,7 +179,7 @@ impl FinishedRun {
         self.digest.clone()
     }
 
-    /// Measures and claims, the content of `summary.json`.
+    /// Results and claims as JSON, the content of `summary.json`.
     #[wasm_bindgen(getter)]
     pub fn summary(&self) -> String {
         self.summary.clone()

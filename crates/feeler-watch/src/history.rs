@@ -9,12 +9,12 @@ pub struct History {
     interval: f64,
     length: usize,
     values: VecDeque<f64>,
-    /// Time at which the interval of the newest value began (s).
+    /// Start of the interval of the latest value (s).
     begun: f64,
 }
 
 impl Default for History {
-    /// Keeps the peaks of each 0.2 s over the last 40 s.
+    /// Creates a history with the peak of each 0.2 s over the last 40 s.
     fn default() -> Self {
         Self::new(0.2, 200)
     }

@@ -19,7 +19,7 @@ pub use snapshot::{
 #[cfg(feature = "terminal")]
 pub use terminal::{Action, Screen, View, ViewError, draw, show_rig, text};
 
-/// Aborts tests that allocate where allocation is forbidden.
+/// Aborts tests that allocate within `assert_no_alloc`.
 #[cfg(test)]
 #[global_allocator]
 static ALLOCATOR: assert_no_alloc::AllocDisabler = assert_no_alloc::AllocDisabler;

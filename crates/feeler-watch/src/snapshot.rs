@@ -15,7 +15,7 @@ pub struct Snapshot {
     pub title: String,
     /// Time of the latest data (s) on `clock`.
     pub time: f64,
-    /// Clock of `time`.
+    /// Kind of clock of `time`.
     pub clock: TimeBase,
     /// State of the hand's task, or `None` if no hand is connected.
     pub task: Option<TaskState>,
@@ -27,18 +27,18 @@ pub struct Snapshot {
     pub true_cap_angle: Option<f64>,
     /// Programs of the system.
     pub programs: Vec<Program>,
-    /// Latest fault, as long as it is relevant.
+    /// Latest fault, as long as it is relevant, if any.
     pub fault: Option<Fault>,
     /// `true` if the hand obeys the keys for stop and resume.
     pub hand_listens: bool,
-    /// Number of messages that the view itself missed, so that the snapshot may be incomplete; `None` if it cannot
+    /// Number of messages that the view itself missed; if above 0, the snapshot may be incomplete; `None` if it cannot
     /// miss any.
     pub missed: Option<u64>,
     /// Notice for the user; empty if none.
     pub notice: String,
 }
 
-/// Clock of a snapshot.
+/// Kind of clock of a snapshot.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TimeBase {
     /// Real time.
@@ -80,7 +80,7 @@ pub struct Finger {
     pub forces: Vec<DVec3>,
     /// Rate of change of each element's tangential force (N/s).
     pub shear_rates: Vec<f64>,
-    /// Joint angles from the base outward (rad).
+    /// Joint positions from the base outward (rad or m).
     pub joints: JointVector,
 }
 
@@ -104,16 +104,16 @@ pub struct Program {
     pub finger: Option<usize>,
     /// Version of feeler; empty if unknown.
     pub version: String,
-    /// Rate of its data (Hz).
+    /// Rate of the program's messages (Hz).
     pub rate: f64,
-    /// Age of its latest data (s); for a silent program, the duration of the silence.
+    /// Age of its latest message (s); for a silent program, the time since then.
     pub age: f64,
     /// Number of messages received, or `None` if unknown.
     pub received: Option<u64>,
-    /// Number of lost messages, from gaps in sequence numbers: those sent by this program, or those sent to it if the program
-    /// reports its own count.
+    /// Number of lost messages, from gaps in sequence numbers: messages from this program, or messages to it if it
+    /// reports that number.
     pub lost: u64,
-    /// Number of periods in which it was late, or `None` if it has no deadline.
+    /// Number of periods in which the program was late, or `None` if it has no deadline.
     pub late: Option<u64>,
     /// State of the program.
     pub state: ProgramState,
@@ -132,14 +132,14 @@ impl Program {
 /// State of a program.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum ProgramState {
-    /// Its data arrive.
+    /// Messages arrive.
     #[default]
     Alive,
-    /// Its data have not arrived for too long.
+    /// Messages have not arrived for too long.
     Silent,
-    /// Its data arrive, but are rejected.
+    /// Messages arrive, but are rejected.
     Refused {
-        /// The reason.
+        /// Reason for the rejection.
         why: String,
     },
 }

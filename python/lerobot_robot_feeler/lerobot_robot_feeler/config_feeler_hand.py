@@ -24,6 +24,6 @@ class FeelerHandConfig(RobotConfig):
     lifetime: float = 0.2
     """Time after which the fingers stand still without a new action, s."""
     max_age: float = 0.1
-    """Age of joint angles or forces above which an observation is refused, s."""
+    """Maximum age of the joint angles and forces of an observation, s."""
     connect_timeout: float = 30.0
     """Time to wait for the programs of the rig, s."""

@@ -27,11 +27,11 @@ class StaleObservationError(RuntimeError):
 
 
 class HandStoppedError(RuntimeError):
-    """The hand is stopped and follows no action until it is resumed."""
+    """The hand is stopped and executes no action until it is resumed."""
 
 
 class FeelerHand(Robot):
-    """A hand whose motion is decided by LeRobot, within the limits of the experiment.
+    """A hand whose motion LeRobot commands, within the limits of the experiment.
 
     Observation: for each joint its position (rad, or m), for each finger the force on each element (N, in the element's
     frame), TOUCH, SLIP and OVER (0 or 1), the grasp force (N) and the age of the forces (s). All are single numbers, because
@@ -152,8 +152,8 @@ class FeelerHand(Robot):
         program.close()
 
     def data_set_features(self, observation: dict[str, float]) -> dict[str, NDArray[Any]]:
-        """Returns an observation as the features of a frame of a data set by ``feeler export lerobot``, for a policy that was
-        trained on one: ``observation.state``, ``observation.tactile.finger_N.force``, ``.flags`` and ``.grasp_force``."""
+        """Converts an observation to the features of a data set written by ``feeler export lerobot``, for a policy trained
+        on it: ``observation.state``, ``observation.tactile.finger_N.force``, ``.flags`` and ``.grasp_force``."""
 
         def numbers(names: list[str]) -> NDArray[np.float32]:
             return np.array([observation[name] for name in names], dtype=np.float32)

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from typing import Any
 
 PROTOCOL = 1
-"""Supported version of requests and answers."""
+"""Supported version of the protocol."""
 
 ANSWER_TIMEOUT = 5.0
-"""Time after which the program counts as hanging, s."""
+"""Time without an answer after which the program is considered hanging, s."""
 
 EXIT_TIMEOUT = 60.0
 """Time for closing the recording and writing its report, s."""

@@ -14,7 +14,7 @@ __version__: Final[str]
 @final
 class Calibration:
     """
-    A function from moments to forces for one fingertip.
+    Calibration of one fingertip: function from moments to forces.
     """
     @property
     def element_count(self, /) -> int: ...
@@ -43,7 +43,7 @@ class EnvironmentSpec:
     @property
     def action_bounds(self, /) -> list[float]:
         """
-        Maximum magnitude of each component of an action before a limit changes it.
+        Maximum magnitude of each component of an action that is executed unchanged; larger ones are limited.
         """
     @property
     def high(self, /) -> list[float]: ...
@@ -65,7 +65,7 @@ class EnvironmentSpec:
     @property
     def parts(self, /) -> list[list[tuple[str, str, int, int]]]:
         """
-        Parts of each finger's observation: name, unit, start and end index.
+        Parts of each finger's observation: name, unit, start index and end index.
         """
     @property
     def period(self, /) -> float:
@@ -112,7 +112,7 @@ class FingerSense:
     @property
     def over(self, /) -> bool:
         """
-        OVER: the compression of an element is above F2.
+        OVER: the compression of an element is above the threshold F2.
         """
     @property
     def position(self, /) -> Incomplete:
@@ -137,12 +137,12 @@ class FingerSense:
     @property
     def slip(self, /) -> bool:
         """
-        SLIP: the shear rate of an element is above dr.
+        SLIP: the shear rate of an element is above the threshold dr.
         """
     @property
     def touch(self, /) -> bool:
         """
-        TOUCH: the compression of an element is above F1, or SLIP is raised.
+        TOUCH: the compression of an element is above the threshold F1, or SLIP is raised.
         """
 
 @final
@@ -180,7 +180,7 @@ class Layout:
     @staticmethod
     def parse(text: str, warnings: SupportsGetItem[int, str] = ...) -> Layout:
         """
-        Parses the layout in `text` (TOML); `warnings` are those about its images.
+        Parses the layout in `text` (TOML); `warnings` are those about the images from which it was located.
         """
     @property
     def picture_size(self, /) -> tuple[int, int]:
@@ -208,12 +208,12 @@ class ManyEnvironments:
     def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], action: str, count: SupportsIndex, threads: SupportsIndex, autoreset: str) -> ManyEnvironments: ...
     def guide(self, /, actions: Incomplete) -> None:
         """
-        Writes the actions [n, A] that follow the tasks' plans.
+        Writes the actions [n, A] that execute the tasks' plans.
         """
     def last(self, /, index: SupportsIndex, observation: Incomplete, info: Incomplete) -> bool:
         """
-        Writes the final observation and info of the previous episode of environment `index`, if the latest step ended
-        it and began another. Returns whether it did.
+        If the latest step ended an episode of environment `index` and began another, writes the final observation and
+        info of the ended episode and returns `true`.
         """
     def render(self, /, index: SupportsIndex, picture: Incomplete) -> None:
         """
@@ -230,7 +230,7 @@ class ManyEnvironments:
         """
     def stop_reason(self, /, index: SupportsIndex) -> str | None:
         """
-        Reason for which the hand of environment `index` was stopped, or `None`.
+        Reason for which the hand of environment `index` was stopped, or `None` if it is not stopped.
         """
 
 @final
@@ -243,12 +243,12 @@ class Plan:
     @property
     def keep_grasp(self, /) -> bool:
         """
-        `True` if the finger is to be re-compressed when its grasp force is low.
+        `True` if the finger is re-compressed when its grasp force is low.
         """
     @property
     def reflex(self, /) -> bool:
         """
-        `True` if the finger is to be re-compressed when it slips.
+        `True` if the finger is re-compressed when it slips.
         """
     @property
     def towards_object(self, /) -> Incomplete:
@@ -268,7 +268,7 @@ class Recording:
     """
     def __new__(cls, /, path: str | PathLike[str]) -> Recording:
         """
-        Reads the recording at `path`, up to the first damage if there is any.
+        Reads the recording at `path`, up to the first damaged part, if any.
         """
     @property
     def columns(self, /) -> dict:
@@ -290,12 +290,12 @@ class Recording:
     @property
     def end(self, /) -> tuple[str, str | None]:
         """
-        State in which the run ended, and the reason if it did not end as intended.
+        State in which the run ended, and the reason if it ended early.
         """
     @property
     def experiment(self, /) -> str:
         """
-        The experiment as run (TOML).
+        The experiment of the run (TOML).
         """
     @property
     def fingers(self, /) -> int: ...
@@ -305,7 +305,7 @@ class Recording:
         """
     def frames(self, /, finger: SupportsIndex, start: SupportsIndex, stop: SupportsIndex) -> tuple[Incomplete, Incomplete]:
         """
-        Frames `start` to `stop` of `finger` [N, H, W], and their times [N], s.
+        Returns the frames `start` to `stop` of `finger` [N, H, W], and their times [N], s.
         """
     @property
     def problem(self, /) -> str | None:
@@ -337,11 +337,11 @@ class RunOutcome:
 @final
 class Sensor:
     """
-    Sensing chain of one fingertip.
+    Sensing chain of one fingertip: from frames to moments and forces.
     """
     def __new__(cls, /, calibration: Calibration | None, layout: Layout | None, experiment: str | None, finger: SupportsIndex | None, drift_correction: bool, max_saturated: SupportsFloat | SupportsIndex | None) -> Sensor:
         """
-        Creates the sensor of `calibration`, or without one, of `layout` or of the experiment's fingertip.
+        Creates the sensor of `calibration`; without one, that of `layout` or of the experiment's fingertip.
         """
     def centres(self, /) -> Incomplete:
         """
@@ -390,12 +390,12 @@ class Session:
     """
     def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], out: str | PathLike[str] | None, task: Any | None, homes: SupportsGetItem[int, SupportsLenAndGetItem[SupportsFloat | SupportsIndex]] | None, law: SupportsGetItem[int, Any] | None) -> Session:
         """
-        Creates a session of `experiment` with `settings`, recorded in the folder `out` if given. `task`, whose
+        Creates a session of `experiment` with `settings`, recorded in the folder `out` if given. `task`, in which the
         fingers start from `homes`, and `law` replace those of the experiment.
         """
     def act(self, /, velocity: Incomplete | None) -> None:
         """
-        Moves the fingers at `velocity` [F, 3], m/s in W, or by the control laws if it is `None`.
+        Moves the fingers at `velocity` [F, 3], m/s in W; if it is `None`, as the control laws command.
         """
     def close(self, /, interrupted: bool) -> RunOutcome | None:
         """
@@ -436,7 +436,7 @@ class SingleEnvironment:
     def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], action: str) -> SingleEnvironment: ...
     def guide(self, /, action: Incomplete) -> None:
         """
-        Writes the action that follows the task's plan.
+        Writes the action that executes the task's plan.
         """
     def render(self, /, picture: Incomplete) -> None:
         """
@@ -444,13 +444,12 @@ class SingleEnvironment:
         """
     def reset(self, /, seed: SupportsIndex | None, observation: Incomplete, info: Incomplete) -> int:
         """
-        Begins the episode of `seed`, or if it is `None`, of a seed that is derived from the last one given. Returns
-        the seed.
+        Begins the episode of `seed`; if it is `None`, the seed is derived from the last given one. Returns the seed.
         """
     def reset_to(self, /, seed: SupportsIndex, following: SupportsIndex, observation: Incomplete, info: Incomplete) -> int:
         """
-        Begins the episode that is the `following`-th after the episode of `seed` without further seeds. Returns its
-        seed.
+        Begins the episode that is `following` episodes after the episode of `seed`, as reached by resets without a
+        seed. Returns its seed.
         """
     def spec(self, /) -> EnvironmentSpec: ...
     def step(self, /, action: Incomplete, observation: Incomplete, info: Incomplete) -> tuple[float, bool, bool]:
@@ -459,21 +458,21 @@ class SingleEnvironment:
         """
     def stop_reason(self, /) -> str | None:
         """
-        Reason for which the hand was stopped, or `None`.
+        Reason for which the hand was stopped, or `None` if it is not stopped.
         """
 
 @final
 class Store:
     """
-    The folder of a sweep, open for adding rows.
+    The folder of a sweep, to which rows can be added.
     """
     def __new__(cls, /, folder: str | PathLike[str], trials: Trials, resume: bool) -> Store:
         """
-        Creates the folder of `trials`, or with `resume` opens the one in which they were interrupted.
+        Creates the folder of `trials`. With `resume`, opens the folder in which they were interrupted.
         """
     def finish(self, /) -> None:
         """
-        Replaces the growing table by the sorted one, and writes the page.
+        Replaces the table of rows in order of completion by the sorted table, and writes the page.
         """
     @property
     def finished(self, /) -> int:
@@ -501,7 +500,7 @@ class Trials:
     """
     def __new__(cls, /, plan: str, folder: str | PathLike[str] | None) -> Trials:
         """
-        Parses a plan, the text of `sweep.toml`. On this machine, the files that it names are in `folder`.
+        Parses a plan, the text of `sweep.toml`. If `folder` is given, it must contain the files that the plan names.
         """
     @property
     def count(self, /) -> int:
@@ -536,17 +535,19 @@ class WrenchEstimator:
     """
     def __new__(cls, /, text: str, layout: Layout | None, experiment: str | None, finger: SupportsIndex | None) -> WrenchEstimator:
         """
-        Creates the estimator of the calibration in `text` (TOML). That of a camera needs a `layout` or an `experiment`.
+        Creates the estimator of the calibration in `text` (TOML). A camera's calibration requires a `layout` or an
+        `experiment`.
         """
     @property
     def element_count(self, /) -> int: ...
     def estimate(self, /, frames: Incomplete) -> tuple[Incomplete, Incomplete, Incomplete]:
         """
-        Wrench in each of `frames` [N, H, W].
+        Estimates the wrench in each of `frames` [N, H, W].
         """
     def estimate_taxels(self, /, readings: Incomplete, stamps: Incomplete) -> tuple[Incomplete, Incomplete, Incomplete]:
         """
-        Wrench for each row of `readings` [N, E, 3] at `stamps` [N], s: one sequence that begins without load.
+        Estimates the wrench for each row of `readings` [N, E, 3] at `stamps` [N], s. The rows are one sequence that
+        begins without load.
         """
     @property
     def picture_size(self, /) -> tuple[int, int] | None:
@@ -566,8 +567,8 @@ def calibrate_frames(frames: Incomplete, forces: Incomplete, how: Incomplete) ->
 
 def estimate_contacts(force: Incomplete, tips: Incomplete, rotations: Incomplete, touch: SupportsFloat | SupportsIndex, friction: SupportsFloat | SupportsIndex | None) -> dict:
     """
-    Contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to `T`: arrays by
-    name, [N] or [N, width].
+    Estimates the contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to
+    `T`. Returns arrays by name, [N] or [N, width].
     """
 
 def locate(frames: Incomplete, polarity: str | None, spot_diameter: SupportsFloat | SupportsIndex | None, element_diameter: SupportsFloat | SupportsIndex | None, region_radius: SupportsFloat | SupportsIndex, dome: str | None) -> Layout:
@@ -588,7 +589,7 @@ def read_table(path: str | PathLike[str]) -> dict:
 
 def report(folder: str | PathLike[str]) -> None:
     """
-    Writes the report of the run in `folder` again.
+    Recreates the report of the run in `folder`.
     """
 
 def run(experiment: str, settings: SupportsGetItem[int, str], out: str | PathLike[str] | None, record_frames: bool, progress: Any | None) -> RunOutcome:

@@ -17,7 +17,7 @@ EXPERIMENTS = {
     "SlideBox": "slide-box-two",
     "Contour": "contour",
 }
-"""The experiment behind each environment."""
+"""Experiment of each environment."""
 
 
 def register() -> None:

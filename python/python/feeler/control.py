@@ -170,7 +170,7 @@ class Session:
 
     @property
     def stop_reason(self) -> str | None:
-        """Reason for which the hand was stopped, or ``None``."""
+        """Reason for which the hand was stopped, or ``None`` if it is not stopped."""
         return self._session.stands()[2]
 
     @property

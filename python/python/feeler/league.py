@@ -16,14 +16,14 @@ VERSION = 1
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """A set and one of its splits."""
+    """A data set and one of its splits."""
 
     set: str
-    """Name of the set."""
+    """Name of the data set."""
     task: str
     """``slip`` (a probability is predicted) or ``values`` (one number for each of ``targets``)."""
     per: str
-    """``recording`` or ``row``: what a prediction is for."""
+    """``recording`` or ``row``: unit for which a prediction is made."""
     columns: tuple[str, ...]
     """Values of one element, such as x, y and z."""
     unit: str
@@ -54,7 +54,7 @@ class Sample:
 
 
 class Entry(Protocol):
-    """An object that can be scored. A new process, and so a new object, is used for each split."""
+    """An object that can be scored. Each split uses a new process, and therefore a new object."""
 
     def fit(self, course: Course, train: list[Sample]) -> None:
         """Learns from the training samples."""
@@ -79,12 +79,12 @@ def _sample(message: dict[str, Any]) -> Sample:
 
 
 def serve(entry: Entry, questions: Iterable[str] = sys.stdin, answers: TextIO = sys.stdout) -> None:
-    """Reads a split of a set from ``questions``, and writes the predictions of ``entry`` to ``answers``.
+    """Reads a split of a data set from ``questions``, and writes the predictions of ``entry`` to ``answers``.
 
     Raises
     ------
     ValueError
-        If the first line is not that of the league, or of another version, or if a prediction is not finite.
+        If the first line is not from the league, or from another version of it, or if a prediction is not finite.
     """
     lines = iter(questions)
     header = json.loads(next(lines, "{}"))

@@ -26,8 +26,8 @@ PHASES = ("SEARCH", "MOVE", "RELEASE", "RETURN", "DONE", "STOPPED")
 class Recording:
     """Recording of a run with F fingers of E elements, at N control steps.
 
-    The row of a step contains the latest message of each kind up to that step. Missing values are NaN, false or -1. Columns
-    are read-only.
+    The row of a step contains the latest message of each kind up to that step. Missing values are NaN, ``False`` or -1.
+    Columns are read-only.
     """
 
     COLUMNS: ClassVar[dict[str, str]] = {
@@ -81,7 +81,7 @@ class Recording:
     object_orientation: FloatArray
 
     def __init__(self, path: PathLike) -> None:
-        """Reads the recording at ``path``, up to the first damage, with a warning if it is incomplete; see :func:`read`."""
+        """Reads the recording at ``path``, with a warning if it is incomplete; see :func:`read`."""
         self.path = Path(path)
         if self.path.is_dir():
             self.path /= "recording.mcap"
@@ -126,7 +126,7 @@ class Recording:
 
     @property
     def reason(self) -> str | None:
-        """Reason for which the run did not end as intended, or ``None``."""
+        """Reason why the run ended early, or ``None``."""
         return self._recording.end[1]
 
     def frames(self, finger: int = 0, start: int = 0, stop: int | None = None) -> tuple[NDArray[np.uint8], FloatArray]:
@@ -223,7 +223,7 @@ def _flat_name(name: str, index: tuple[int, ...], shape: tuple[int, ...], per_fi
 
 
 def read(path: PathLike) -> Recording:
-    """Reads a recording, up to the first damage. ``path`` is the folder of a run or a file.
+    """Reads a recording, up to the first damaged part. ``path`` is the folder of a run or a file.
 
     The file may have been rewritten by other tools, compressed with Zstandard or LZ4.
 

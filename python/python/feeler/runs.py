@@ -142,7 +142,7 @@ def run(
 
 
 def report(folder: PathLike) -> Run:
-    """Writes the report of the run in ``folder`` again, from its recording.
+    """Recreates the report of the run in ``folder`` from its recording.
 
     Raises
     ------

@@ -535,7 +535,7 @@ def calibrate(
         ``separable`` is the paper's model, ``coupled`` includes the tilt of the column, and ``auto`` selects the one that
         predicts held-out loads better.
     full_scale
-        Compression and shear that errors are relative to, N; by default, the largest loads.
+        Compression and shear to which errors are relative, N; by default, the largest loads.
 
     Raises
     ------

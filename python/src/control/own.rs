@@ -1,6 +1,6 @@
 //! Tasks and laws implemented in Python.
 //!
-//! An exception in Python code stops the hand and is kept for the code that steps the loop.
+//! An exception in Python code stops the hand, and is stored for the code that steps the loop.
 
 use super::sense::{FingerSense, HandSense, Plan, Vector, phase};
 use feeler::control::law::Law;
@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Raised(Arc<Mutex<Option<PyErr>>>);
 
 impl Raised {
-    /// Takes the exception, if any.
+    /// Removes and returns the exception, if any.
     pub fn take(&self) -> Option<PyErr> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
@@ -83,7 +83,7 @@ impl OwnTask {
         Ok(own)
     }
 
-    /// Reads the state of the Python task.
+    /// Queries the state of the Python task.
     fn ask(&mut self, py: Python<'_>) -> PyResult<()> {
         let task = self.task.bind(py);
         self.phase = phase(&task.getattr("phase")?.extract::<String>()?)?;

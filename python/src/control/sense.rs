@@ -40,13 +40,13 @@ impl Plan {
         vector(py, self.0.towards_object)
     }
 
-    /// `True` if the finger is to be re-compressed when it slips.
+    /// `True` if the finger is re-compressed when it slips.
     #[getter]
     fn reflex(&self) -> bool {
         self.0.reflex
     }
 
-    /// `True` if the finger is to be re-compressed when its grasp force is low.
+    /// `True` if the finger is re-compressed when its grasp force is low.
     #[getter]
     fn keep_grasp(&self) -> bool {
         self.0.keep_grasp
@@ -118,19 +118,19 @@ impl FingerSense {
         PyArray1::from_slice(py, &self.shear_rate)
     }
 
-    /// TOUCH: the compression of an element is above F1, or SLIP is raised.
+    /// TOUCH: the compression of an element is above the threshold F1, or SLIP is raised.
     #[getter]
     fn touch(&self) -> bool {
         self.flags.touch
     }
 
-    /// SLIP: the shear rate of an element is above dr.
+    /// SLIP: the shear rate of an element is above the threshold dr.
     #[getter]
     fn slip(&self) -> bool {
         self.flags.slip
     }
 
-    /// OVER: the compression of an element is above F2.
+    /// OVER: the compression of an element is above the threshold F2.
     #[getter]
     fn over(&self) -> bool {
         self.flags.over
@@ -243,7 +243,7 @@ fn vector(py: Python<'_>, vector: DVec3) -> Bound<'_, PyArray1<f64>> {
     PyArray1::from_slice(py, &vector.to_array())
 }
 
-/// Numbers of a finger's joints, one per joint.
+/// Converts a quantity of a finger's joints to an array with one value per joint.
 fn joint_numbers<'py>(py: Python<'py>, joints: &JointVector) -> Bound<'py, PyArray1<f64>> {
     PyArray1::from_slice(py, joints.as_slice())
 }

@@ -36,7 +36,7 @@ struct Stepped {
 
 #[pymethods]
 impl Session {
-    /// Creates a session of `experiment` with `settings`, recorded in the folder `out` if given. `task`, whose
+    /// Creates a session of `experiment` with `settings`, recorded in the folder `out` if given. `task`, in which the
     /// fingers start from `homes`, and `law` replace those of the experiment.
     #[new]
     #[pyo3(signature = (experiment, settings, out, task, homes, law))]
@@ -108,7 +108,7 @@ impl Session {
         Ok(Some((hand, plans.copied().map(Plan).collect())))
     }
 
-    /// Moves the fingers at `velocity` [F, 3], m/s in W, or by the control laws if it is `None`.
+    /// Moves the fingers at `velocity` [F, 3], m/s in W; if it is `None`, as the control laws command.
     fn act(&self, velocity: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<()> {
         let mut stepped = self.stepped()?;
         let Some(instruments) = stepped.instruments.take() else {
@@ -180,7 +180,7 @@ impl Session {
 }
 
 impl Session {
-    /// Fails if a task or law calls its own session, or if a second thread uses it.
+    /// Returns an error if a task or law calls its own session, or if another thread uses the session.
     fn stepped(&self) -> PyResult<MutexGuard<'_, Stepped>> {
         match self.stepped.try_lock() {
             Ok(stepped) => Ok(stepped),

@@ -8,11 +8,11 @@ use pyo3::types::PyDict;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Integer columns, which may need 63 bits.
+/// Columns of integers, which may need 63 bits.
 const WHOLE: [&str; 2] = ["trial", "seed"];
 /// Columns that always contain text. Other columns contain text if any field is neither a number nor empty.
 const WORDS: [&str; 3] = ["outcome", "reason", "found"];
-/// Boolean column.
+/// Column of booleans.
 const SUCCESS: &str = "success";
 
 /// A partially read column.
@@ -52,7 +52,8 @@ pub fn read_table(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> 
     Ok(table)
 }
 
-/// Reads the file twice: the type of a column is only known at the end, and text needs far more memory than numbers.
+/// Reads the columns. The file is read twice, because the type of a column is only known at the end, and text needs far
+/// more memory than numbers.
 fn read(path: &Path) -> csv::Result<Vec<(String, Column)>> {
     let mut reader = csv::Reader::from_path(path)?;
     let names: Vec<_> = reader.headers()?.iter().map(String::from).collect();

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 
-/// The folder of a sweep, open for adding rows.
+/// The folder of a sweep, to which rows can be added.
 #[pyclass(frozen, module = "feeler._core")]
 pub struct Store {
     trials: Arc<trial::Trials>,
@@ -22,7 +22,7 @@ pub struct Store {
 
 #[pymethods]
 impl Store {
-    /// Creates the folder of `trials`, or with `resume` opens the one in which they were interrupted.
+    /// Creates the folder of `trials`. With `resume`, opens the folder in which they were interrupted.
     #[new]
     #[pyo3(signature = (folder, trials, resume))]
     fn new(folder: PathBuf, trials: &Trials, resume: bool) -> PyResult<Self> {
@@ -83,7 +83,7 @@ impl Store {
         tell(py, progress.as_ref(), &finished)
     }
 
-    /// Replaces the growing table by the sorted one, and writes the page.
+    /// Replaces the table of rows in order of completion by the sorted table, and writes the page.
     fn finish(&self, py: Python<'_>) -> PyResult<()> {
         let mut store = lock(&self.store)?;
         let missing = open(&mut store)?.missing(self.trials.plan(), u64::MAX);
@@ -101,7 +101,7 @@ impl Store {
     }
 }
 
-/// Locks the store, or fails if another thread holds it. Waiting would deadlock if that thread needs the interpreter
+/// Locks the store. Fails if another thread has locked it. Waiting would deadlock if that thread needs the interpreter
 /// to finish.
 fn lock(store: &Mutex<Option<store::Store>>) -> PyResult<MutexGuard<'_, Option<store::Store>>> {
     store.try_lock().map_err(|error| {

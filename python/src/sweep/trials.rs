@@ -20,7 +20,7 @@ pub struct Trials {
 
 #[pymethods]
 impl Trials {
-    /// Parses a plan, the text of `sweep.toml`. On this machine, the files that it names are in `folder`.
+    /// Parses a plan, the text of `sweep.toml`. If `folder` is given, it must contain the files that the plan names.
     #[new]
     #[pyo3(signature = (plan, folder))]
     fn new(plan: &str, folder: Option<PathBuf>) -> PyResult<Self> {
@@ -115,7 +115,7 @@ impl Trials {
     }
 }
 
-/// Calls `progress` with the number of finished trials.
+/// Passes the number of finished trials to `progress`.
 pub(super) fn tell(
     py: Python<'_>,
     progress: Option<&Py<PyAny>>,

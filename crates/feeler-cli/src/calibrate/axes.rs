@@ -38,7 +38,7 @@ pub struct AxesArguments {
 }
 
 impl AxesArguments {
-    /// Returns the axes of the columns of a table.
+    /// Returns the conversion from the force columns of a table to the axes of the fingertip.
     pub fn of_columns(&self) -> ForceAxes {
         let axes = self.force_axes.unwrap_or_default();
         match self.force_on {
@@ -47,7 +47,7 @@ impl AxesArguments {
         }
     }
 
-    /// Returns the axes of a force sensor.
+    /// Returns the conversion from the axes of a force sensor to those of the fingertip.
     ///
     /// # Errors
     /// If the axes are left-handed.

@@ -83,15 +83,15 @@ pub fn folder(arguments: &Arguments) -> Option<&Path> {
     arguments.live.live.as_ref().map(|_| Path::new(input))
 }
 
-/// Loads that the operator should reach: full scale from the command line, by default 1 N of compression and half of
-/// the compression in shear.
+/// Returns the loads that the operator should reach: full scale from the command line, by default 1 N of compression
+/// and half of the compression in shear.
 fn goal(arguments: &Arguments) -> Goal {
     let normal = arguments.full_scale_normal.unwrap_or(1.0);
     let shear = arguments.full_scale_shear.unwrap_or(0.5 * normal);
     Goal { normal, shear }
 }
 
-/// Guides through loading the fingertip, with images and loads kept in `folder`.
+/// Guides the operator through loading the fingertip. Images and loads are saved in `folder`.
 pub fn guide(
     arguments: &Arguments,
     folder: &Path,

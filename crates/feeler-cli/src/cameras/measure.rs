@@ -17,7 +17,7 @@ const FIRST: Duration = Duration::from_secs(15);
 /// Time to wait for an image before checking whether to stop.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// Measures the camera `named`; by default the only one connected, found in the lists `kinds`.
+/// Measures the camera `named`, or by default the only one in the lists `kinds`.
 pub fn measure(
     arguments: &Arguments,
     named: Option<&Path>,

@@ -21,7 +21,7 @@ pub struct Measured {
     pub dropped: u64,
     /// Number of images received damaged.
     pub damaged: u64,
-    /// Data rate sent by the camera, before decoding.
+    /// Data rate sent by the camera, before decoding (bytes/s).
     pub bytes_per_second: Option<f64>,
     /// Decoding time per image (s).
     pub decoding: Option<Spread>,

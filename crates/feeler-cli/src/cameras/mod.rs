@@ -47,9 +47,9 @@ pub struct Arguments {
 /// Cameras of one kind.
 struct Kind {
     name: &'static str,
-    /// The cameras: name as accepted by `feeler sense`, and capabilities as text and JSON.
+    /// Cameras found: name as accepted by `feeler sense`, and capabilities as text and JSON.
     cameras: Vec<Listed>,
-    /// Obstacles that may hide further cameras.
+    /// Reasons why some cameras may not have been found.
     missing: Vec<String>,
 }
 

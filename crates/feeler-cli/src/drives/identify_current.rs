@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, TryRecvError};
 
-/// Share of a sweep at its begin that is not averaged: static friction and backlash.
+/// Fraction of a sweep, from its start, that is excluded from the mean because of static friction and backlash.
 const SETTLES: f64 = 0.3;
 
 pub fn identify(
@@ -85,7 +85,7 @@ fn report(found: &TorqueCalibration, out: &mut dyn Write) -> Result<(), CommandE
     Ok(())
 }
 
-/// The setting of the calibration in an experiment.
+/// Formats the calibration of a joint as an experiment setting, `KEY=VALUE`.
 fn setting((finger, joint): (usize, usize), found: &TorqueCalibration) -> String {
     format!(
         "drives.finger.{finger}.joint.{joint}.torque={{ constant = {:.6}, constant_error = {:.6}, friction = {:.6}, friction_error = {:.6} }}",
@@ -110,7 +110,7 @@ struct Sweeps {
 }
 
 impl Sweeps {
-    /// Enables torque. `size` is the arguments' unit, rad or m.
+    /// Opens the hand and enables torque. `size` is the unit of the arguments (rad or m).
     fn new(
         rig: &ServoRig,
         arguments: &IdentifyArguments,

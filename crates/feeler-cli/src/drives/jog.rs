@@ -80,7 +80,7 @@ fn plan(
     Ok(Outcome::Done)
 }
 
-/// Turns the joint, and prints its final angle in `unit`, of the given size (rad or m).
+/// Turns the joint, and prints its final position in `unit`, whose size is given in rad or m.
 fn turn(
     rig: &ServoRig,
     arguments: &JogArguments,

@@ -157,7 +157,7 @@ struct HomeArguments {
     overwrite: Overwrite,
 }
 
-/// The joint to move.
+/// Finger and joint to move.
 #[derive(Debug, Clone, Copy, clap::Args)]
 #[cfg_attr(
     not(feature = "drives"),

@@ -18,7 +18,7 @@ use std::io::Write;
 /// Rows of each law, in the order of the laws.
 type Results = Vec<(String, Vec<GripRow>)>;
 
-/// Name of a law or policy, and the experiment under it.
+/// Name of a law or policy, and the experiment that uses it.
 type Contender = (String, Experiment);
 
 /// Runs the comparison.
@@ -63,7 +63,7 @@ pub fn compare_grips(
     Ok(Outcome::Done)
 }
 
-/// Returns the requested laws of the task: by default all, or only the policies if there are some.
+/// Returns the requested laws of the task: by default all, or only the policies if any are given.
 fn grip_laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
     if arguments.trial.resume || !arguments.vary.is_empty() {
         return Err(
@@ -85,7 +85,7 @@ fn grip_laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
     }
 }
 
-/// Returns the experiment under each of the requested laws and policies.
+/// Returns the name and experiment of each requested law and policy.
 fn contenders(
     arguments: &Arguments,
     experiment: &Experiment,
@@ -109,7 +109,7 @@ fn contenders(
     Ok(contenders)
 }
 
-/// Returns the experiment with the policy `law`, which is read once for all trials.
+/// Returns the experiment with the policy `law`, which is read from disk once for all trials.
 fn under_policy(experiment: &Experiment, law: LawConfig) -> Result<Experiment, CommandError> {
     let mut experiment = experiment.clone();
     experiment.config.control.law = law;
@@ -123,7 +123,8 @@ fn under_policy(experiment: &Experiment, law: LawConfig) -> Result<Experiment, C
     Ok(experiment)
 }
 
-/// Runs all objects, each under all laws. Returns the rows of the finished objects, and `true` if those are all.
+/// Runs all objects, each with all laws. Returns the rows of the finished objects, and `true` if all objects are
+/// finished.
 fn run(arguments: &Arguments, contenders: &[Contender]) -> Result<(Results, bool), CommandError> {
     let interrupted = watch_for_interrupt()?;
     let (count, trial) = (arguments.trials, &arguments.trial);

@@ -11,8 +11,7 @@ use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan, Progress, engine};
 use std::path::Path;
 
-/// Number of trials of one law before the next law's turn. Interleaving gives an interrupted comparison equal trials
-/// of all laws.
+/// Number of consecutive trials of one law. Interleaving gives an interrupted comparison equal trials of all laws.
 const BLOCK: u64 = 32;
 
 /// A law and its sweep.
@@ -27,7 +26,7 @@ pub struct Contender {
     pub store: Store,
 }
 
-/// Loads the experiment `name` with `settings` under `law`. The law that the experiment selects keeps its
+/// Loads the experiment `name` with `settings` and the control law `law`. The law that the experiment selects keeps its
 /// configuration; other laws use their defaults.
 pub fn under_law(
     name: &str,
@@ -85,7 +84,7 @@ fn store(
     arguments.store(folder, trials)
 }
 
-/// Runs the remaining trials, in blocks that alternate between the laws.
+/// Runs the remaining trials, alternating between the laws in blocks.
 pub fn run(
     arguments: &TrialArguments,
     contenders: &mut [Contender],

@@ -22,7 +22,7 @@ pub struct Arguments {
     full: bool,
 }
 
-/// Heading of a short file.
+/// Comment at the top of a file that contains only the commonly set keys.
 const HEADING: &str = "\
 # Commonly set keys; `feeler init all.toml --full` writes every key. Omitted keys have their defaults
 # (docs/experiment-files.md). Units are SI unless a suffix states otherwise. W is the world frame: z up.
@@ -65,7 +65,7 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     Ok(Outcome::Done)
 }
 
-/// Returns the experiment's name: that of the file, without extension.
+/// Returns the name of the experiment: the file name without its extension.
 fn name(file: &Path) -> Result<&str, CommandError> {
     let is_toml = file
         .extension()
@@ -77,8 +77,7 @@ fn name(file: &Path) -> Result<&str, CommandError> {
     })
 }
 
-/// Returns the calibration files that do not yet exist next to `file`. Identical files may exist from an earlier
-/// experiment.
+/// Returns the calibration files that do not yet exist next to `file`. An existing file must have the same content.
 pub(crate) fn missing(
     file: &Path,
     texts: &BTreeMap<String, String>,

@@ -27,9 +27,9 @@ pub fn parse_speed(text: &str) -> Result<f64, String> {
 
 /// Schedule of a run's steps.
 pub enum Timing {
-    /// Simulated time: a late step delays all later ones.
+    /// Paces simulated time. A step that is late by more than 100 ms delays all later ones.
     Held(Throttle),
-    /// A schedule that continues regardless of late steps, and `true` if it follows real time.
+    /// A schedule that does not shift after late steps, and `true` if it follows real time.
     Kept(Box<dyn Schedule>, bool),
 }
 
@@ -90,7 +90,7 @@ impl Throttle {
 }
 
 impl Schedule for Throttle {
-    /// Waits for the next step. A step is marked as overrun if it begins after the one that follows it was due.
+    /// Waits for the next step. A step is marked as an overrun if it starts after the next one was due.
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         self.steps += 1;
         let mut tick = Tick::on_time(self.steps);

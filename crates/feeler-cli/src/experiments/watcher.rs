@@ -48,8 +48,8 @@ impl<'a> Watcher<'a> {
         Ok(Self { shown, page })
     }
 
-    /// Shows the latest step of `control_loop`, and executes the user's actions on the hand. Returns a new report of the
-    /// rumble and tone that the browser plays.
+    /// Shows the latest step of `control_loop`, and executes the user's actions on the hand. Returns the browser's
+    /// report of the rumble and tone that it plays, if there is a new one.
     pub fn step(
         &mut self,
         control_loop: &mut SimulatedLoop,

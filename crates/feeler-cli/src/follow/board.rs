@@ -29,7 +29,7 @@ pub struct Snapshot {
     pub phase: Phase,
     /// Reason of the stop, if the hand is stopped.
     pub stopped: Option<String>,
-    /// Number of the latest request whose velocities this step commanded.
+    /// Number of the latest request whose velocities were commanded.
     pub followed: u64,
     pub fingers: Vec<FingerSnapshot>,
 }
@@ -42,7 +42,7 @@ pub struct Board {
 }
 
 impl Board {
-    /// Stores the readings of the latest step, which has followed `requests`.
+    /// Stores the readings of the latest step and the number of the latest executed request.
     pub fn update<S: TactileSource, H: Hand>(
         &self,
         control_loop: &ControlLoop<S, H>,
@@ -85,7 +85,7 @@ impl Board {
         self.lock().clone()
     }
 
-    /// Waits until a step has followed request `number`, the hand is stopped, or `longest` is over. Returns the latest
+    /// Waits until request `number` is executed, the hand is stopped, or `longest` is over. Returns the latest
     /// snapshot.
     pub fn wait_for(&self, number: u64, longest: Duration) -> Option<Snapshot> {
         let is_pending = |latest: &mut Option<Snapshot>| match latest {

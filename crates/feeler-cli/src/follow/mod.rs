@@ -52,8 +52,8 @@ const STEP_TIMEOUT: Duration = Duration::from_secs(1);
 /// Time that a hand has to end its task before it is interrupted.
 const END_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Moves a hand at the velocities that another program writes to standard input, until that ends, and answers each line
-/// with the hand's readings. Messages for people go to standard error.
+/// Moves a hand at the velocities that another program writes to standard input, until the input ends, and answers each
+/// line with the hand's readings. Messages for people go to standard error.
 pub fn follow(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let experiment = arguments.hand.experiment()?;
     if let Some(option) = arguments
@@ -202,7 +202,7 @@ impl Following<'_> {
         }
     }
 
-    /// Ends the control loop: by its task, so that the run counts as complete, or else by an interrupt.
+    /// Ends the control loop: through its task, so that the run counts as complete, otherwise with an interrupt.
     fn end(&self, control: &Control<'_>) {
         let latest = self.board.latest();
         let can_end = latest.is_some_and(|latest| latest.stopped.is_none());

@@ -8,14 +8,14 @@ use feeler_record::messages::joint_names;
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 
-/// Version of requests and answers.
+/// Version of the protocol.
 const PROTOCOL: u32 = 1;
 
 /// Decodes a request to a hand whose fingers have `joints` joints: the requested velocities, which are answered with the
 /// readings after the next control step, or `None` for the latest readings.
 ///
 /// # Errors
-/// If the line is not a request. Returns a description.
+/// Returns the error message if the line is not a request.
 pub fn decode(line: &str, joints: &[usize]) -> Result<Option<HandVelocities>, String> {
     let request: Map<String, Value> = serde_json::from_str(line)
         .map_err(|error| format!("expected a JSON object per line: {error}"))?;

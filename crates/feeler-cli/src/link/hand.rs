@@ -49,7 +49,7 @@ impl Arguments {
         Ok(Experiment::load(&self.experiment, &settings)?)
     }
 
-    /// Name of the first option on the command line that only concerns other programs, if any.
+    /// Returns the first given option that only has an effect if the rig runs in other programs, if any.
     pub fn linking_option(&self) -> Option<&'static str> {
         let own = [
             ("--rig", self.values.rig.is_some()),

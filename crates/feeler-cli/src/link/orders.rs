@@ -13,13 +13,14 @@ use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// Maximum time to find a hand and for its answer. A hand answers between two control steps, which may be long.
+/// Maximum time to find a hand and to receive its answer. A hand answers between two control steps, which may be long.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Time to repeat a stop order to a connected hand; without confirmation, the stop server's answer counts.
+/// Duration for which a stop order to a connected hand is repeated. Without confirmation, the answer of the stop server
+/// is used.
 const DOOR_NEXT: Duration = Duration::from_secs(1);
 
-/// Time to wait for the hand's connection before the answer of the stop server suffices.
+/// Time to wait for a connection to the hand before the answer of the stop server is used.
 const DOOR_FIRST: Duration = Duration::from_millis(500);
 
 #[derive(Debug, clap::Args)]
@@ -38,11 +39,11 @@ pub struct StopArguments {
 /// Result of a stop; output of `--json`.
 #[derive(Default, Serialize)]
 struct Stopped {
-    /// `true` if the hand is stopped.
+    /// `true` if the hand is stopped now.
     stands_still: bool,
-    /// `true` if the hand is waiting for its rig, and will hold still once the rig is connected.
+    /// `true` if the hand is waiting for its rig, and will be stopped once the rig is connected.
     waits_for_rig: bool,
-    /// Number that identifies the stop for a resume, or `None` if the hand did not assign one.
+    /// Number with which the stop can be resumed, or `None` if the hand did not assign one.
     number: Option<u64>,
     /// Reason given by the hand.
     reason: String,
@@ -68,7 +69,7 @@ impl Stopped {
 pub struct ResumeArguments {
     /// Name of the rig (by default, that of the experiment), or the experiment file.
     rig: String,
-    /// Caller whose stop to resume; without such a stop, the hand's own stop is resumed [default: "the command line"]
+    /// Caller whose stop is resumed; if it has none, a stop by the hand itself is [default: "the command line"]
     #[arg(long, default_value = BY, hide_default_value = true)]
     from: String,
     /// Number of the stop to resume, as printed by `feeler stop` and `feeler resume`.
@@ -170,7 +171,7 @@ fn unheard(rig: &str) -> CommandError {
     format!("no hand of rig {rig:?} found within {seconds} s").into()
 }
 
-/// Resumes a stop of the hand of a rig, and prints whether the hand continues.
+/// Sends a resume order to the hand of a rig, and prints whether the hand continues.
 pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = &rig_name(&arguments.rig)?;
     let client = HandClient::new(

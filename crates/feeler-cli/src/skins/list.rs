@@ -46,7 +46,7 @@ pub fn list(ports: &[String], out: &mut dyn Write) -> Result<Outcome, CommandErr
     })
 }
 
-/// Describes a skin and the command that senses it.
+/// Describes a skin and the command that reads it.
 fn in_words(skin: &FoundSkin, path: &str) -> String {
     let kind = match skin.serial.protocol {
         SkinProtocol::Magnetometers => "board with magnetometers".to_string(),

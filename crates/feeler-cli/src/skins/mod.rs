@@ -45,7 +45,8 @@ struct EmulateArguments {
     /// Symbolic link to the port, which remains valid if the skin is unplugged and plugged in again.
     #[arg(long, value_name = "PATH")]
     link: Option<PathBuf>,
-    /// Load, field or fault from the start, e.g. press=200, field=0,0,50, lose-bytes=0.001, unplug=2. Repeatable.
+    /// Load, magnetic field or fault to emulate from the start, e.g. press=200, field=0,0,50, lose-bytes=0.001,
+    /// unplug=2. Repeatable.
     ///
     /// `-` reads events from standard input, one per line.
     #[arg(long = "event", value_name = "EVENT", allow_hyphen_values = true)]

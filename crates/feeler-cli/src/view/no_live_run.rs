@@ -16,11 +16,11 @@ impl From<&ServerArguments> for ServerOptions {
     }
 }
 
-/// Live page of a run; has no values, since this program cannot serve one.
+/// Live page of a run; uninhabited, because this build cannot serve one.
 pub enum LiveRun {}
 
 impl LiveRun {
-    /// Returns the error that the program has no live page.
+    /// Returns an error: this build has no live page.
     pub fn open(_: &Experiment, _: ServerOptions, _: &mut dyn Write) -> Result<Self, CommandError> {
         Err(format!("--view: {MISSING}").into())
     }

@@ -52,11 +52,11 @@ pub enum BusError {
     Unexpected {
         /// Id of the servo expected to answer.
         id: u8,
-        /// Expected bytes of data.
+        /// Expected number of bytes of data.
         expected: usize,
         /// Id in the response.
         actual_id: u8,
-        /// Bytes of data in the response.
+        /// Number of bytes of data in the response.
         actual: usize,
     },
     /// The adapter echoes sent bytes.

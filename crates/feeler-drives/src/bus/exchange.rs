@@ -94,7 +94,7 @@ impl Bus {
         }
     }
 
-    /// Returns `true` if the received bytes begin with the bytes sent, which no response does.
+    /// Returns `true` if the received bytes begin with the sent bytes, which never happens without an echo.
     fn is_echo(&self) -> bool {
         let (sent, arrived) = (&self.sent, self.decoder.pending());
         !sent.is_empty() && arrived.len() >= sent.len() && arrived.starts_with(sent)
@@ -109,7 +109,7 @@ impl Bus {
         Ok(())
     }
 
-    /// Deadline for a response of `bytes` bytes to the packet just sent.
+    /// Returns the deadline for a response of `bytes` bytes to the packet just sent.
     pub(super) fn deadline(&self, bytes: usize) -> Deadline {
         let on_wire = (self.sent.len() + bytes) as f64 * BITS_PER_BYTE / f64::from(self.baud_rate);
         let time = self.timeout + on_wire;
@@ -142,7 +142,7 @@ fn error_and_data(protocol: Protocol, code: u8, parameters: &[u8]) -> (u8, &[u8]
     }
 }
 
-/// Returns `true` if only a master can have sent a packet with this id and code.
+/// Returns `true` if a packet with this id and code can only come from a master.
 fn is_instruction(protocol: Protocol, (id, code): (u8, u8)) -> bool {
     match protocol {
         Protocol::Dynamixel => code != STATUS,

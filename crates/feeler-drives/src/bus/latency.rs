@@ -1,9 +1,9 @@
 //! Delays of responses, for the detection of slow adapters.
 
-/// Number of recent responses.
+/// Number of delays that are stored.
 const RECENT: usize = 15;
 
-/// Delays of the most recent responses. Of a fixed size.
+/// Delays of the most recent responses, in a buffer of fixed size.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Latency {
     delays: [f64; RECENT],

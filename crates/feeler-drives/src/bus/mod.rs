@@ -210,7 +210,7 @@ impl Bus {
         Ok(())
     }
 
-    /// Fast sync read of `length` bytes per servo. `parameters` already contains the request.
+    /// Performs a fast sync read of `length` bytes per servo. `parameters` already contains the request.
     fn fast_sync_read(
         &mut self,
         length: usize,

@@ -6,7 +6,7 @@ use crate::packet::Protocol;
 use crate::registers::{DriveMode, MODELS, WATCHDOG_UNIT};
 use feeler::check::Checker;
 
-/// Maximum bus watchdog of a Dynamixel, s.
+/// Maximum timeout of a Dynamixel's bus watchdog, s.
 const LONGEST_WATCHDOG: f64 = 127.0 * WATCHDOG_UNIT;
 impl DrivesConfig {
     /// Checks that every value of the table `key` is in its range. `prismatic` has an entry per joint of each finger of
@@ -168,7 +168,7 @@ impl JointDriveConfig {
         }
     }
 
-    /// Checks that the keys between horn and joint are those of the kind of joint.
+    /// Checks that the keys of the transmission between servo and joint match the kind of joint.
     fn check_transmission(&self, key: &str, is_prismatic: bool, checker: &mut Checker) {
         let field = |field: &str| format!("{key}.{field}");
         if !is_prismatic {

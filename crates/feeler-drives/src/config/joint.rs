@@ -18,7 +18,7 @@ pub struct JointDriveConfig {
     pub id: u8,
     /// Servo model, e.g. `XL330-M288`.
     pub model: String,
-    /// Way in which the servo follows the joint's velocity.
+    /// Mode in which the servo follows the joint's velocity.
     #[serde(default, skip_serializing_if = "is_velocity")]
     pub mode: DriveMode,
     /// Joint angle (rad) or displacement (m) at servo position 0; determined by `feeler drives home`.
@@ -51,8 +51,8 @@ pub struct JointDriveConfig {
     pub torque: Option<TorqueCalibration>,
 }
 
-/// Torque of the joint by the motor's current: `constant` * current, less `friction` if the joint moves. In N m, or N for
-/// a prismatic joint. Errors are standard errors.
+/// Calibration of a joint's torque: `constant` times the motor's current, minus `friction` if the joint moves; in N m,
+/// or N for a prismatic joint. Errors are standard errors.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueCalibration {

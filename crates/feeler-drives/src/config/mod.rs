@@ -21,7 +21,7 @@ pub struct DrivesConfig {
     /// Protocol of the servos.
     #[serde(default = "dynamixel")]
     pub protocol: Protocol,
-    /// Reads all servos by a single response packet (Dynamixel X330 with firmware 46 or newer, X430 with 45). Not
+    /// Reads all servos with a single response packet (Dynamixel X330 with firmware 46 or newer, X430 with 45). Not
     /// supported by Feetech servos.
     #[serde(default)]
     pub fast_sync_read: bool,
@@ -35,7 +35,7 @@ pub struct DrivesConfig {
     /// servos report temperature and voltage in every period.
     #[serde(default = "twenty_milliseconds")]
     pub health_interval: f64,
-    /// Temperature above which a servo stops the hand, degrees Celsius.
+    /// Temperature of a servo above which the hand stops, degrees Celsius.
     #[serde(default = "seventy")]
     pub temperature_limit_celsius: f64,
     /// Minimum and maximum supply voltage, V; a voltage outside stops the hand.
@@ -128,13 +128,13 @@ impl DrivesConfig {
         self.finger.iter().flat_map(|finger| &finger.joint)
     }
 
-    /// Returns `true` if a joint has a calibration of its torque, so that its effort is estimated from the current.
+    /// Returns `true` if any joint has a torque calibration, so that its effort is estimated from the current.
     pub fn measures_efforts(&self) -> bool {
         self.joints().any(|joint| joint.torque.is_some())
     }
 
-    /// Returns `true` if the currents of the servos are read in every period: a joint has a calibration of its torque, or
-    /// a limited current.
+    /// Returns `true` if the currents of the servos are read in every period: if a joint has a torque calibration or a
+    /// limited current.
     pub fn reads_current(&self) -> bool {
         let is_limited = |mode| mode == DriveMode::CurrentLimitedPosition;
         self.measures_efforts() || self.joints().any(|joint| is_limited(joint.mode))

@@ -17,17 +17,17 @@ const STEP: f64 = 0.0005;
 /// Time after which servos discard an incomplete instruction, s.
 const FORGETS: f64 = 0.02;
 
-/// Servos on a bus. Has no clock; callers pass the time.
+/// Servos on a bus. Contains no clock; callers pass the time.
 pub struct EmulatedBus {
     servos: Servos,
     decoder: Decoder,
     /// Transmission time of a byte, s.
     byte: f64,
     time: f64,
-    /// End of the last byte from the master (`sent`) and from the servos (`answered`), s.
+    /// Time of the end of the last byte from the master (`sent`) and from the servos (`answered`), s.
     sent: f64,
     answered: f64,
-    /// Time of the last bytes from the master, s.
+    /// Time at which the latest bytes from the master were received, s.
     received: f64,
     arriving: VecDeque<Instruction>,
     leaving: VecDeque<Leaving>,
@@ -115,7 +115,7 @@ impl EmulatedBus {
         self.connected
     }
 
-    /// Bytes that have arrived at the master, which removes them.
+    /// Bytes that have arrived at the master. The master removes the bytes that it reads.
     pub(super) fn output(&mut self) -> &mut Vec<u8> {
         &mut self.output
     }
@@ -174,7 +174,7 @@ impl EmulatedBus {
         self.go_on(now);
     }
 
-    /// Advances the emulated mechanism to the time `now` (s), in which no byte is transferred.
+    /// Advances the emulated mechanism to the time `now` (s). No byte is transferred in the meantime.
     fn go_on(&mut self, now: f64) {
         while self.time + STEP < now {
             self.time += STEP;

@@ -19,9 +19,10 @@ pub enum BusFault {
     Reboot(u8),
     /// The master is disconnected; the servos keep running.
     CablePulled,
-    /// Delays responses by this time, s.
+    /// Delays responses by this duration, s.
     Late(f64),
-    /// The adapter delivers responses only at multiples of this time, s, as a USB adapter with this latency timer.
+    /// The adapter delivers responses only at multiples of this duration, s, like a USB adapter with this latency
+    /// timer.
     Latency(f64),
     /// The servo with this id overheats.
     Overheat(u8),
@@ -35,7 +36,7 @@ pub enum BusFault {
     Jump(u8),
 }
 
-/// All kinds of faults, as written on the command line.
+/// All kinds of faults, in the syntax of the command line.
 const KINDS: &str = "flip-bytes=SHARE, lose-bytes=SHARE, echo, silent=ID, reboot=ID, cable-pulled, late=SECONDS, \
                      latency=SECONDS, overheat=ID, undervoltage=ID, hardware=ID[:BITS], jump=ID, load=ID:TORQUE";
 /// Fault bits of an overload, the default of `hardware=ID`.
@@ -90,7 +91,7 @@ impl FromStr for BusFault {
     }
 }
 
-/// Byte errors of the wire.
+/// Random byte errors on the wire.
 #[derive(Debug, Clone)]
 pub(super) struct Wire {
     pub flipped: f64,

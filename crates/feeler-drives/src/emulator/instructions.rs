@@ -45,7 +45,7 @@ impl Servos {
         }
     }
 
-    /// Splits the parameters of an instruction to several servos into address, length and the rest.
+    /// Splits the parameters of an instruction to several servos into address, length and the remaining bytes.
     fn part<'a>(&self, parameters: &'a [u8]) -> Option<(usize, usize, &'a [u8])> {
         match (self.protocol, parameters) {
             (Protocol::Dynamixel, [a, b, c, d, rest @ ..]) => {
@@ -59,7 +59,7 @@ impl Servos {
         }
     }
 
-    /// Servo `id`, if it answers at `now`, s.
+    /// Servo `id`, or `None` if it does not answer at `now`, s.
     fn servo_there(&self, id: u8, now: f64) -> Option<&EmulatedServo> {
         let mut servos = self.servos.iter();
         servos.find(|servo| servo.id == id && servo.is_there(now))
@@ -75,7 +75,7 @@ impl Servos {
         }
     }
 
-    /// Sync read: servos answer one after the other. Those after a silent servo wait for it and do not answer.
+    /// Sync read: servos answer one after the other. Servos after a silent one wait for it and do not answer.
     fn sync_read(&mut self, part: (usize, usize), ids: &[u8], now: f64) -> Vec<Answer> {
         let mut answers = Vec::new();
         for &id in ids {
@@ -123,7 +123,7 @@ impl Servos {
         }]
     }
 
-    /// Executes an instruction to one servo, or a ping to all.
+    /// Executes an instruction to a single servo, or a ping to all.
     fn obey_singly(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
         let asked = self.servos.iter().filter(|servo| servo.is_there(now));
         let to_all = packet.id == BROADCAST;
@@ -184,7 +184,7 @@ fn dynamixel(servo: &mut EmulatedServo, packet: Packet<'_>, now: f64) -> (u8, Ve
     }
 }
 
-/// Executes an instruction on a Feetech servo, which has no error numbers.
+/// Executes an instruction on a Feetech servo. Returns error number (always 0) and data of its response.
 fn feetech(servo: &mut EmulatedServo, packet: Packet<'_>) -> (u8, Vec<u8>) {
     let data = match (packet.code, packet.parameters) {
         (READ, &[address, length]) => servo.read(address.into(), length.into()),

@@ -1,24 +1,25 @@
 //! Emulated motor: torque, current and overload.
 //!
-//! A DC motor with gears. Its torque is `k I`, with the torque constant `k` of its model, less Coulomb and viscous
-//! friction. In position mode the voltage is proportional to the distance to the goal, and the torque falls with the
-//! velocity by the back EMF, to zero at the velocity without a load.
+//! A DC motor with gears. Its torque is `k I`, with the torque constant `k` of its model, minus Coulomb and viscous
+//! friction. In position mode the voltage is proportional to the distance to the goal, and the back EMF reduces the
+//! torque with the velocity, to zero at the no-load velocity.
 
 use super::plant::Motion;
 use crate::registers::Model;
 
 /// Coulomb friction of the gears, relative to the stall torque; assumed.
 const FRICTION: f64 = 0.02;
-/// Torque lost by viscous friction at the velocity without a load, relative to the stall torque; assumed.
+/// Torque lost by viscous friction at the no-load velocity, relative to the stall torque; assumed.
 const VISCOSITY: f64 = 0.3;
 /// Distance to the goal position at which the motor has its full voltage, rad: the default gain of the X330 series.
 const FULL_VOLTAGE: f64 = 0.43;
-/// Share of the stall current that is an overload, and its duration until the servo reacts, s; assumed.
+/// Fraction of the stall current above which the motor is overloaded, and duration of the overload until the servo
+/// reacts, s; assumed.
 const OVERLOAD: (f64, f64) = (0.9, 1.0);
-/// Share of the stall current to which an overloaded Feetech servo limits itself.
+/// Fraction of the stall current to which an overloaded Feetech servo limits its current.
 const PROTECTIVE: f64 = 0.2;
 
-/// Action of the motor that the servo's firmware requests.
+/// Target that the servo's firmware sets for the motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Wish {
     /// Velocity of the horn, rad/s.
@@ -43,9 +44,9 @@ pub(super) struct Limits {
 pub(super) struct Motor {
     stall_torque: f64,
     stall_current: f64,
-    /// Velocity without a load, rad/s.
+    /// No-load velocity, rad/s.
     fastest: f64,
-    /// Current, and the greatest one so far, A.
+    /// Present current, and the greatest one so far, A.
     pub current: f64,
     pub greatest_current: f64,
     /// Duration of the present overload, s.
@@ -77,8 +78,8 @@ impl Motor {
         self.overloaded > duration
     }
 
-    /// Runs the motor for `step` seconds. The load is a torque against positive motion, N m. Returns the velocity that the
-    /// horn approaches, rad/s.
+    /// Runs the motor for `step` seconds. The load is a torque against positive motion, N m. Returns the steady-state
+    /// velocity of the horn, rad/s.
     pub fn drive(
         &mut self,
         step: f64,
@@ -115,20 +116,20 @@ impl Motor {
         current * self.stall_torque / self.stall_current
     }
 
-    /// Velocity at which friction that rises by `resistance` per velocity balances the `torque` that accelerates the horn.
+    /// Velocity at which the torque of friction, `resistance` per velocity, balances the accelerating `torque`.
     fn drift(&self, torque: f64, resistance: f64) -> f64 {
         let rest = torque.abs() - FRICTION * self.stall_torque;
         let speed = (rest.max(0.0) / resistance).min(self.fastest);
         speed.copysign(torque)
     }
 
-    /// Velocity and torque of a motor with this torque under a load.
+    /// Velocity and torque of a motor that exerts this torque against a load.
     fn with_torque(&self, torque: f64, load: f64) -> (f64, f64) {
         let viscosity = VISCOSITY * self.stall_torque / self.fastest;
         (self.drift(torque - load, viscosity), torque)
     }
 
-    /// Velocity and torque of a motor whose firmware controls its velocity, with all the torque that it allows.
+    /// Velocity and torque of a motor whose firmware controls its velocity with a torque of at most `most`.
     fn at_velocity(&self, velocity: f64, load: f64, most: f64) -> (f64, f64) {
         let friction = match velocity {
             0.0 => 0.0,
@@ -141,7 +142,7 @@ impl Motor {
         }
     }
 
-    /// Velocity and torque of a motor whose voltage is proportional to the distance to its goal.
+    /// Velocity and torque of a motor whose voltage is proportional to the distance `rest` to its goal.
     fn towards(&self, rest: f64, fastest: f64, now: f64, (load, most): (f64, f64)) -> (f64, f64) {
         let back_emf = self.stall_torque / self.fastest;
         let voltage = self.stall_torque * (rest / FULL_VOLTAGE).clamp(-1.0, 1.0);

@@ -51,7 +51,7 @@ pub(super) struct Servos {
     plant: Box<dyn Plant>,
     noise: f64,
     random: Pcg64,
-    /// Random stream of the noise of currents.
+    /// Random number generator for the noise of currents.
     current_random: Pcg64,
     goals: Vec<f64>,
     time: f64,

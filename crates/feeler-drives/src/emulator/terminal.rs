@@ -31,7 +31,7 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts the bus of `config`, whose servos move `plant`, in the time of `clock`.
+    /// Starts the bus of `config`, whose servos move `plant`, on the time of `clock`.
     ///
     /// # Errors
     /// If no pseudo-terminal can be opened.
@@ -105,7 +105,8 @@ impl Server {
         }
     }
 
-    /// Advances the bus to the present and sends its output to the master. Returns the time of the next call, s.
+    /// Advances the bus to the present and sends its output to the master. Returns the time at which it must be called
+    /// next, s.
     fn go_on(&mut self) -> f64 {
         let mut bus = lock(&self.bus);
         let now = self.clock.now();

@@ -42,7 +42,7 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Switches torque on, each servo after its goal holds the joint and its watchdog is set.
+    /// Switches torque on, one servo after the other, each once its goal holds the joint and its watchdog is set.
     pub(super) fn arm(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         let watchdog = self.config.watchdog_counts();
@@ -80,8 +80,9 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Restarts Dynamixel servos that an overload has switched off: they accept no torque before. Their EEPROM keeps its
-    /// values. Servos with other faults remain off. Call it only after the cause of the overload was removed.
+    /// Restarts Dynamixel servos that an overload has switched off; their torque cannot be enabled otherwise. The
+    /// EEPROM keeps its values. Servos with other faults remain off. Call this only after the cause of the overload was
+    /// removed.
     ///
     /// # Errors
     /// If a servo does not answer, or not within a second after its restart.

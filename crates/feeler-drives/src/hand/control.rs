@@ -16,8 +16,8 @@ impl DriveHand {
     /// checks the health of its servo if due. Intended for setting up a rig; use [`Hand::command`] to control a hand.
     ///
     /// # Errors
-    /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also as
-    /// [`Hand::command`], in which case all motors are stopped.
+    /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also if
+    /// [`Hand::command`] would fail; all motors are then stopped.
     pub fn jog(&mut self, finger: usize, joint: usize, velocity: f64) -> Result<(), DriveError> {
         if let Some(fault) = self.fault.clone() {
             return Err(DriveError::Stopped { fault });
@@ -44,7 +44,7 @@ impl DriveHand {
         done
     }
 
-    /// Sends each joint its `velocity`, rad/s or m/s, unless the joint angles are too old.
+    /// Commands each joint to move at its `velocity`, rad/s or m/s, unless the joint angles are too old.
     fn send(&mut self, velocity: impl Fn(JointName) -> f64) -> Result<(), DriveError> {
         let moving = self.servos.iter().any(|servo| velocity(servo.name) != 0.0);
         let age = self.age();
@@ -75,8 +75,8 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Estimates the effort of each joint from the latest current of its motor. Leaves a finger without calibrations
-    /// empty.
+    /// Estimates the effort of each joint from the latest current of its motor. The efforts of a finger without
+    /// calibrations are empty.
     fn estimate_efforts(&self, efforts: &mut [JointEfforts]) {
         efforts.fill(JointEfforts::default());
         for servo in &self.servos {
@@ -94,14 +94,14 @@ impl DriveHand {
         }
     }
 
-    /// Commands the joints, then checks the health of the next servo if due.
+    /// Commands all joints, then checks the health of the next servo if due.
     fn drive(&mut self, velocity: &[JointVector]) -> Result<(), DriveError> {
         let at = |name: JointName| velocity.get(name.finger).map_or(0.0, |v| v[name.joint]);
         self.send(at)?;
         self.check_health_if_due(self.next_asked)
     }
 
-    /// Stops all motors if the bus still works, and keeps them stopped.
+    /// Stops all motors if the bus still works, and rejects further commands.
     fn fail(&mut self, error: &DriveError) -> HandError {
         self.stop_motors();
         let fault = self.fault.get_or_insert_with(|| error.to_string());
@@ -120,7 +120,7 @@ impl Hand for DriveHand {
         self.fingers.len()
     }
 
-    /// The stamp is the time at which the responses had arrived.
+    /// Reads the state, which is stamped with the time at which the responses had arrived.
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
         check_finger_count(self.fingers.len(), state.joints.len())?;
         if let Some(fault) = &self.fault {

@@ -5,14 +5,14 @@ use crate::bus::BusError;
 use crate::error::DriveError;
 use crate::registers::Registers;
 
-/// Fraction of the maximum age of joint angles that an adapter may add to it unnoticed.
+/// Fraction of the maximum age of joint angles by which an adapter may delay responses.
 const SHARE: f64 = 0.25;
 /// Timeout of a response from a slow adapter, s: several times the usual 16 ms.
 const PATIENCE: f64 = 0.1;
 
 impl DriveHand {
-    /// Checks that the adapter has delivered the responses so far soon after they were on the bus. Angles are stamped at
-    /// their arrival, so an adapter that collects bytes for 16 ms makes them older than they appear.
+    /// Checks that the adapter has delivered the responses soon after they were on the bus. Angles are stamped at their
+    /// arrival, so an adapter that collects bytes for 16 ms makes them older than they appear.
     pub(super) fn check_latency(&self) -> Result<(), DriveError> {
         let (latency, limit) = (self.bus.usual_latency(), SHARE * self.most_age);
         match latency <= limit {
@@ -21,7 +21,7 @@ impl DriveHand {
         }
     }
 
-    /// Returns the error of a slow adapter if it caused `error`, a missing response; otherwise `error`.
+    /// Returns the error of a slow adapter if it caused `error`, a missing response; otherwise returns `error`.
     pub(super) fn blame_adapter(&mut self, error: DriveError) -> DriveError {
         let id = match &error {
             DriveError::Servo {

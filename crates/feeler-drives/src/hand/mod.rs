@@ -1,4 +1,4 @@
-//! Implementation of feeler's hand by the servos of a bus.
+//! Implementation of the trait `Hand` with servos on a bus.
 
 mod arm;
 mod control;
@@ -31,7 +31,7 @@ pub struct DriveHand {
     motion: (u16, usize),
     /// Time at which the latest joint angles arrived, s of the clock.
     stamp: f64,
-    /// Stamp of the joint angles of the last command, s of the clock.
+    /// Stamp of the joint angles that the latest command was based on, s of the clock.
     commanded: f64,
     /// Time of the last health check, s of the clock.
     asked: f64,
@@ -95,8 +95,8 @@ impl DriveHand {
         Ok(hand)
     }
 
-    /// Restarts a hand that was stopped by a fault: restarts servos that an overload has switched off, sets the watchdogs
-    /// and switches torque on. Call it only after the cause of the fault was found.
+    /// Restarts a hand that was stopped by a fault: restarts servos that an overload has switched off, sets the
+    /// watchdogs and switches torque on. Call this only after the cause of the fault was found.
     ///
     /// # Errors
     /// If a servo is faulty, or is in another turn than before; the hand then remains stopped.
@@ -116,7 +116,7 @@ impl DriveHand {
     /// servo that loses count of its turns in a restart reports a wrong joint angle.
     ///
     /// # Errors
-    /// Returns [`DriveError::TurnLost`] for the first joint that is not.
+    /// Returns [`DriveError::TurnLost`] for the first joint that has moved further.
     pub fn check_turns(&self, before: &[f64]) -> Result<(), DriveError> {
         let mut joints = self.servos.iter().zip(before);
         joints.try_for_each(|(servo, &before)| servo.check_turn(before))
@@ -137,7 +137,7 @@ impl DriveHand {
         self.servos.iter().map(|servo| (servo.name, servo.angle))
     }
 
-    /// Torque of each joint by the latest current of its motor; `None` for a joint without a calibration.
+    /// Torque of each joint, from the latest current of its motor; `None` for a joint without a calibration.
     pub fn torques(&self) -> impl Iterator<Item = (JointName, Option<TorqueEstimate>)> {
         let servos = self.servos.iter();
         servos.map(|servo| (servo.name, servo.torque()))

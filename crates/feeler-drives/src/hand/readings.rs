@@ -8,9 +8,10 @@ use crate::packet::Protocol;
 use crate::registers::{Register, Registers};
 use crate::setup::{blame, read};
 
-/// Factor on a joint's speed limit above which a measured velocity is implausible; allows for overshoot.
+/// Maximum plausible measured velocity, relative to the joint's speed limit; allows for overshoot.
 const SPEED_TOLERANCE: f64 = 2.0;
-/// Parts (address, length) of a Dynamixel's control table from torque to bus watchdog and from voltage to temperature.
+/// Parts (address, length) of a Dynamixel's control table: from torque to bus watchdog, and from voltage to
+/// temperature.
 const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);
 const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
 

@@ -47,14 +47,14 @@ pub enum PacketError {
     /// The CRC or checksum is wrong because bytes were corrupted.
     #[error("a packet with checksum {actual:#06x}: expected {expected:#06x} for its content")]
     Check {
-        /// Computed from the content.
+        /// Value computed from the content.
         expected: u16,
-        /// Received in the packet.
+        /// Value received in the packet.
         actual: u16,
     },
 }
 
-/// Decodes packets from a stream of bytes. After an error, continues with the next header. Has a fixed buffer.
+/// Decodes packets from a stream of bytes. After an error, continues with the next header. Its buffer has a fixed size.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     protocol: Protocol,
@@ -210,7 +210,8 @@ impl Decoder {
         first.unwrap_or(pending.len())
     }
 
-    /// Returns `true` if the packet has byte stuffing. A joint response has none: each servo knows only its own part.
+    /// Returns `true` if the packet has byte stuffing. The joint response to a fast sync read has none, because each
+    /// servo knows only its part.
     fn is_stuffed(&self, id: u8, code: u8) -> bool {
         let together = self.sender == Sender::Servo && id == BROADCAST && code == STATUS;
         self.protocol == Protocol::Dynamixel && !together

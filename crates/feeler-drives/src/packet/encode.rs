@@ -5,11 +5,11 @@ use super::{Protocol, check};
 /// Maximum length of a Dynamixel packet after its length field; more than any servo of a hand sends.
 pub const LONGEST: usize = 1024;
 
-/// Error of a packet that is longer than its protocol or a servo's buffer allows.
+/// Error if a packet is longer than its protocol or a servo's buffer allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("a packet with length {actual}: expected at most {limit} bytes")]
 pub struct TooLong {
-    /// Bytes after the length field.
+    /// Number of bytes after the length field.
     pub actual: usize,
     /// Maximum number of bytes.
     pub limit: usize,

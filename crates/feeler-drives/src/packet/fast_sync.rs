@@ -5,9 +5,9 @@
 
 use super::{BROADCAST, check, instruction::STATUS};
 
-/// Bytes of a block in addition to its data: error, id, CRC.
+/// Number of bytes of a block in addition to its data: error, id, CRC.
 const AROUND_DATA: usize = 4;
-/// Bytes of the packet before its first block.
+/// Number of bytes of the packet before its first block.
 const BEFORE_BLOCKS: usize = 8;
 
 /// Response of one servo.

@@ -79,9 +79,9 @@ impl Register {
 pub struct Registers {
     /// Model number.
     pub model: Register,
-    /// Firmware version, which decides about fast sync reads (Dynamixel).
+    /// Firmware version, which determines support of fast sync reads (Dynamixel).
     pub firmware: Option<Register>,
-    /// Delay before a response, in 2 us.
+    /// Delay before a response, in units of 2 us.
     pub return_delay: Register,
     /// Operating mode; see [`DriveMode::number`].
     pub mode: Register,
@@ -101,7 +101,7 @@ pub struct Registers {
     pub torque: Register,
     /// Fault bits.
     pub fault: Register,
-    /// Time without instructions after which the motor stops, in 20 ms.
+    /// Time without instructions after which the motor stops, in units of 20 ms.
     pub watchdog: Option<Register>,
     /// Goal velocity, in the model's unit.
     pub goal_velocity: Register,
@@ -109,7 +109,7 @@ pub struct Registers {
     pub goal_position: Register,
     /// Goal current, in the model's unit; in current-limited position mode the maximum current (Dynamixel).
     pub goal_current: Option<Register>,
-    /// Maximum share of the motor's voltage in position mode, 0.1 % (Feetech).
+    /// Maximum fraction of the motor's voltage in position mode, in units of 0.1 % (Feetech).
     pub output_limit: Option<Register>,
     /// Acceleration of a motion to a goal position; 0 is the maximum.
     pub profile_acceleration: Register,
@@ -125,11 +125,11 @@ pub struct Registers {
     pub voltage: Register,
     /// Temperature, degrees Celsius.
     pub temperature: Register,
-    /// Part read in every period: first address and number of bytes.
+    /// Part of the control table read in every period: address of the first byte, and number of bytes.
     pub motion: (u16, usize),
-    /// Part read in every period if the current is required.
+    /// Like `motion`, if currents are also read.
     pub motion_and_current: (u16, usize),
-    /// `true` if `motion` also contains voltage, temperature and fault.
+    /// `true` if `motion` also contains voltage, temperature and fault bits.
     pub motion_has_health: bool,
 }
 

@@ -21,9 +21,9 @@ pub struct Model {
     pub velocity_unit: f64,
     /// Unit of current, A.
     pub current_unit: f64,
-    /// Default velocity limit in units of velocity; used by the emulator.
+    /// Default velocity limit, in the model's unit of velocity; used by the emulator.
     pub velocity_limit: i64,
-    /// Torque of the stalled motor at its nominal voltage, N m, and its current, A.
+    /// Torque (N m) and current (A) of the stalled motor at its nominal voltage.
     pub stall: (f64, f64),
     /// First firmware with fast sync reads, or `None` if not supported.
     pub fast_sync_firmware: Option<i64>,

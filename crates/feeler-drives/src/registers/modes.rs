@@ -1,10 +1,10 @@
-//! Ways in which a servo follows its joint's velocity, and the operating modes that they require.
+//! Modes in which a servo follows its joint's velocity, and the operating modes that they require.
 
 use super::{Register, Registers};
 use crate::packet::Protocol;
 use serde::{Deserialize, Serialize};
 
-/// Way in which a servo follows the commanded velocity of its joint.
+/// Mode in which a servo follows the commanded velocity of its joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DriveMode {
@@ -14,7 +14,7 @@ pub enum DriveMode {
     /// Position control by the servo. The goal position integrates the commanded velocity, and stays within
     /// [`leash`](crate::config::JointDriveConfig::leash) of the measured position.
     Position,
-    /// Like `Position`, with a limited current (Feetech: a limited share of the motor's voltage).
+    /// Like `Position`, with a limited current (Feetech: a limited fraction of the motor's voltage).
     CurrentLimitedPosition,
 }
 
@@ -48,7 +48,7 @@ impl DriveMode {
         }
     }
 
-    /// Value that the servo follows.
+    /// Kind of value that the servo follows.
     pub fn goal(self) -> GoalKind {
         match self {
             Self::Velocity => GoalKind::Velocity,

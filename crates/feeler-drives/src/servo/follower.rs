@@ -5,7 +5,7 @@ use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, GoalKind, Model};
 use feeler::hand::LeashedGoal;
 
-/// State of the goal in each mode.
+/// Goal of a servo, which follows the velocity of its joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Follower {
     /// Accumulated rounding error of the goals, in the model's unit.
@@ -29,7 +29,7 @@ impl Follower {
         }
     }
 
-    /// Forgets the previous goal and holds the joint at `position`.
+    /// Discards the previous goal and holds the joint at `position`.
     pub fn hold(&mut self, position: f64) {
         match self {
             Self::Velocity { left_out } => *left_out = 0.0,

@@ -36,7 +36,8 @@ pub(crate) struct Servo {
     pub drive: JointDriveConfig,
     pub model: &'static Model,
     limits: JointLimits,
-    /// Displacement to which a tolerance of one radian applies: 1 rad, or the reach (m) for a prismatic joint.
+    /// Factor from a tolerance in radians to the joint's position: 1 for a revolute joint, the reach (m) for a
+    /// prismatic joint.
     scale: f64,
     /// Last position, counts, unwrapped over turns.
     counts: Option<i64>,
@@ -48,7 +49,7 @@ pub(crate) struct Servo {
     follower: Follower,
     /// Value of the goal register.
     pub goal: i64,
-    /// `true` after the goal was set to the measured position.
+    /// `true` once the goal was set to the measured position.
     held: bool,
 }
 
@@ -102,7 +103,7 @@ impl Servo {
         (velocity / self.model.velocity_unit).ceil() as i64
     }
 
-    /// Checks that a velocity limit, in the servo's unit, is sufficient for the joint.
+    /// Checks that a velocity limit, in the servo's unit, allows the joint's speed limit.
     pub fn allow(&self, limit: i64) -> Result<(), DriveError> {
         let expected = self.limits.speed * self.drive.transmission();
         let actual = limit as f64 * self.model.velocity_unit;
@@ -148,8 +149,8 @@ impl Servo {
         self.current = f64::from(self.drive.direction) * units * self.model.current_unit;
     }
 
-    /// Checks that the joint is within its limits plus `tolerance` (rad, or times the reach) and not faster than `faster`
-    /// times its limit.
+    /// Checks that the joint exceeds its limits by at most `tolerance` (rad, or times the reach) and its speed limit at
+    /// most by the factor `faster`.
     pub fn check(&self, tolerance: f64, faster: f64) -> Result<(), DriveError> {
         let JointLimits {
             lower,
@@ -178,8 +179,8 @@ impl Servo {
         Ok(())
     }
 
-    /// Checks that the position has not changed by half a turn of the servo or more since the joint was at `before` (rad
-    /// or m), as it does if the servo restarts in another turn.
+    /// Checks that the position has not changed by half a turn of the servo or more since the joint was at `before`
+    /// (rad or m), which happens if the servo restarts in another turn.
     pub fn check_turn(&self, before: f64) -> Result<(), DriveError> {
         let turned = self.drive.counts(self.angle) - self.drive.counts(before);
         match turned.abs() < COUNTS_PER_TURN / 2.0 {

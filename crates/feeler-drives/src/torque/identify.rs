@@ -27,7 +27,7 @@ pub struct TorqueSample {
 /// Error of an identification.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentifyError {
-    /// Too few samples, or samples of one load or direction only.
+    /// Too few samples, or all samples have the same load or direction.
     #[error(
         "{count} sweeps with {loads} different loads: expected at least 2 loads and {LEAST} sweeps in each direction"
     )]
@@ -45,7 +45,7 @@ pub enum IdentifyError {
         "the current changes by {slope:.3} A per N m of load: expected a rise; check that the loads act against positive motion, and the joint's direction"
     )]
     NoRise {
-        /// Current per load, A/(N m).
+        /// Change of the current per load, A/(N m).
         slope: f64,
     },
     /// The torque constant is imprecise.
@@ -55,17 +55,17 @@ pub enum IdentifyError {
     Imprecise {
         /// Torque constant, N m/A.
         constant: f64,
-        /// Standard error.
+        /// Standard error, N m/A.
         error: f64,
     },
-    /// Friction appears to drive the joint.
+    /// The fitted friction is negative.
     #[error(
         "the friction is {friction:.4} N m with a standard error of {error:.4}: expected none below zero; sweep slower, and check that the joint moves freely"
     )]
     NegativeFriction {
         /// Friction, N m.
         friction: f64,
-        /// Standard error.
+        /// Standard error, N m.
         error: f64,
     },
     /// The sweeps contradict each other.
@@ -77,7 +77,7 @@ pub enum IdentifyError {
         load: f64,
         /// Current of the sweep, A.
         current: f64,
-        /// Current by the fit, A.
+        /// Current predicted by the fit, A.
         expected: f64,
     },
 }

@@ -11,7 +11,8 @@ use crate::config::TorqueCalibration;
 pub struct TorqueEstimate {
     /// Torque, positive if it increases the joint's position.
     pub torque: f64,
-    /// Standard error of the calibration and, if the joint stands still, the friction, whose direction is then unknown.
+    /// Standard error of the calibration; if the joint stands still, including the friction, whose direction is then
+    /// unknown.
     pub uncertainty: f64,
 }
 

@@ -17,10 +17,10 @@ use std::time::{Duration, Instant};
 /// Interval at which an order is repeated until the hand obeys.
 pub const INTERVAL: Duration = Duration::from_millis(200);
 
-/// Time for which the ordered state must last before it is reported as stable.
+/// Time for which the requested state must last before it is reported as stable.
 pub const STEADY: Duration = Duration::from_millis(300);
 
-/// Sends orders to the hand of a rig and observes its mode.
+/// Client that sends orders to the hand of a rig and observes its mode.
 pub struct HandClient {
     network: Arc<dyn Network>,
     inbox: Shared<WatchInbox>,
@@ -28,7 +28,7 @@ pub struct HandClient {
 }
 
 impl HandClient {
-    /// Starts to listen for the hand of the rig that `network` connects.
+    /// Starts to receive messages of the hand of the rig that `network` connects.
     ///
     /// # Errors
     /// If the network refuses to send or listen.
@@ -57,12 +57,13 @@ impl HandClient {
         self.inbox.wait_for(longest, heard)
     }
 
-    /// Mode that the hand reported last; the default mode before its first report.
+    /// Mode last reported by the hand; the default mode before its first report.
     pub fn mode(&self) -> HandMode {
         self.inbox.lock().mode().cloned().unwrap_or_default()
     }
 
-    /// Repeats `order` until the hand's mode satisfies `is_so`, for at most `longest`, then checks that it stays so.
+    /// Repeats `order` for at most `longest`, until the hand's mode satisfies `is_so`, then checks that the mode
+    /// continues to do so.
     ///
     /// # Errors
     /// If the network refuses the message.
@@ -89,10 +90,10 @@ impl HandClient {
 
 /// Response of a hand to an order.
 pub enum Ack {
-    /// The hand did not report the ordered state.
+    /// The hand did not report the requested state.
     None,
-    /// The hand reported the ordered state, then left it.
+    /// The hand reported the requested state, then left it.
     Reverted,
-    /// The hand reported the ordered state and kept it.
+    /// The hand reported the requested state and stayed in it.
     Stable,
 }

@@ -1,4 +1,4 @@
-//! Active stops. The hand stands still until each of them has been resumed.
+//! Active stops. The hand does not move until all of them have been resumed.
 
 use crate::messages::message::{NO_ID, StopInForce};
 use crate::messages::printable::printable;
@@ -28,14 +28,14 @@ pub struct ActiveStop {
     pub number: u64,
     /// Cause of the stop.
     pub cause: Cause,
-    /// Sender of the order, or the reason as text.
+    /// Sender of the order, or the reason if the hand stopped itself.
     pub by: String,
 }
 
 /// Cause of a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// Order with this id, or 0 if the sender drew none.
+    /// Order with this id, or 0 if the sender assigned none.
     Order(u64),
     /// Stopped by the hand itself because of stale data.
     Stale,
@@ -72,8 +72,8 @@ impl ActiveStops {
         self.newest
     }
 
-    /// Adds a stop for the order `id` (0 if none was drawn) from the sender `from`, and returns its number. A repeated
-    /// order returns the same number, or `None` if that stop has been resumed.
+    /// Adds a stop for the order `id` (0 if the sender assigned none) from the sender `from`, and returns its number.
+    /// For a repeated order, returns the same number, or `None` if that stop has been resumed.
     pub fn order(&mut self, id: u64, from: &str) -> Option<u64> {
         let from = if from.is_empty() { "unknown" } else { from };
         let (cause, by) = (Cause::Order(id), printable(from));
@@ -85,7 +85,7 @@ impl ActiveStops {
         (!was_resumed).then(|| self.add(cause, by))
     }
 
-    /// Adds a stop by the hand itself, unless one is already active.
+    /// Adds a stop by the hand itself, unless such a stop is already active.
     pub fn fault(&mut self, why: &StopReason) {
         if self.in_force.iter().any(ActiveStop::is_own) {
             return;

@@ -1,4 +1,4 @@
-//! A hand over the link: permission to move, active stops, orders, remote joints and sensors.
+//! Hand of a networked rig: permission to move, active stops, orders, remote joints and sensors.
 
 pub(crate) mod hand_client;
 pub(crate) mod holds;

@@ -9,9 +9,9 @@ use crate::transport::topic::Topic;
 
 /// Order to a hand. Sending it repeatedly has the effect of sending it once.
 pub enum Order {
-    /// ActiveStop still.
+    /// Stop.
     Stop(StopMessage),
-    /// Resume, if no other stop is active.
+    /// Resume a stop. The hand continues if no other stop is active.
     Resume(ResumeMessage),
 }
 
@@ -43,8 +43,8 @@ impl Order {
     }
 }
 
-/// Returns the active stop that `from` resumes by default: its own, else the hand's. The stops of other senders are resumed
-/// only by number.
+/// Returns the active stop that `from` resumes by default: its own, else that of the hand itself. The stops of other
+/// senders are resumed only by number.
 pub fn stop_to_resume<'a>(stops: &'a [StopInForce], from: &str) -> Option<&'a StopInForce> {
     let (by, is_own) = (printable(from), |stop: &&StopInForce| stop.id == 0);
     let mine = stops.iter().find(|stop| stop.by == by);

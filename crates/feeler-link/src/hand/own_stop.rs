@@ -1,4 +1,4 @@
-//! Stop that a rig orders when its drives fail, from the order until it is resumed.
+//! Stop that a rig orders when its drives fail, until it is resumed.
 
 use super::holds::MOST;
 use crate::messages::message::{PROTOCOL, StopInForce, StopMessage};
@@ -10,7 +10,7 @@ use crate::transport::outlet::draw_instance;
 pub struct RigStop {
     id: u64,
     why: String,
-    /// Instance of the hand that last reported this stop as active.
+    /// Instance of the hand that last reported this stop as active, if any.
     held_by: Option<u64>,
     is_resumed: bool,
 }
@@ -27,8 +27,8 @@ impl RigStop {
     }
 
     /// Processes the active `stops` reported by the instance `hand`. If the same hand reported this stop before and no
-    /// longer does, it was resumed, unless the list is full and may have dropped it. A new hand must receive the order
-    /// again.
+    /// longer does, it was resumed, unless the list of stops is full and may have dropped it. A new hand must receive
+    /// the order again.
     pub fn hear(&mut self, hand: u64, stops: &[StopInForce]) {
         if stops.iter().any(|stop| stop.id == self.id) {
             self.held_by = Some(hand);

@@ -12,7 +12,7 @@ use feeler::control::StopReason;
 pub enum Permission {
     /// Move: all data is fresh, and no stop is active.
     Move,
-    /// ActiveStop. `Some` contains a stop order or stale data; `None` means that earlier stops are still active.
+    /// Stand still. `Some` contains the reason of a new stop; `None` means that earlier stops are still active.
     ActiveStop(Option<StopReason>),
 }
 

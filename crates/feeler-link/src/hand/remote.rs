@@ -1,4 +1,4 @@
-//! Fingers and a hand in other programs, as implementations of the control loop's traits.
+//! Fingers and drives in other programs, as implementations of the control loop's traits.
 
 use super::holds::ActiveStop;
 use crate::inboxes::hand_inbox::HandInbox;

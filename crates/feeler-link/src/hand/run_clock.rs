@@ -62,7 +62,7 @@ pub struct RunClock {
 struct RigClock {
     /// Instance of the program whose clock this is.
     clock: u64,
-    /// Stamp of the state message (s).
+    /// Stamp of the state message (s, rig time).
     stamp: f64,
     /// Sequence number of the state message.
     sequence: u64,

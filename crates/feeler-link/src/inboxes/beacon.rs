@@ -64,12 +64,12 @@ impl Beacon {
         change(&mut self.status.lock().heartbeat);
     }
 
-    /// Suppresses heartbeats while `is_silent`, to leave this program's place to another.
+    /// Suppresses heartbeats while `is_silent`, so that another program can have this program's role.
     pub fn set_silent(&self, is_silent: bool) {
         self.status.lock().is_silent = is_silent;
     }
 
-    /// Sends a heartbeat at once, to introduce this program to a new peer.
+    /// Sends a heartbeat at once, to introduce this program to a new one.
     pub fn greet(&self) {
         self.status.lock().now = true;
         self.status.changed();

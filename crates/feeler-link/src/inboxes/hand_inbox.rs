@@ -17,7 +17,8 @@ use feeler::control::{FingerFlags, FrameBuffer};
 use feeler_record::wire::message;
 use serde::{Deserialize, Serialize};
 
-/// Inbox of the hand: validates received messages and keeps the latest data. Does no I/O; times are arguments.
+/// Inbox of the hand: validates received messages and keeps the latest data. Performs no I/O; times are passed as
+/// arguments.
 #[derive(Debug, Clone)]
 pub struct HandInbox {
     fingers: Vec<FingerInbox>,
@@ -29,8 +30,8 @@ pub struct HandInbox {
     pub sent: SentSteps,
     /// Active stops.
     pub holds: ActiveStops,
-    /// In lockstep, the sequence number of the last answered state. The hand is woken only when the next state and the
-    /// forces of all fingers have arrived.
+    /// In lockstep, the sequence number of the last answered state. Its threads are woken only when the next state and
+    /// the forces of all fingers have arrived.
     pub(crate) answered: Option<u64>,
 }
 
@@ -43,7 +44,7 @@ pub struct FingerInbox {
     pub lost: u64,
     /// Frames of the updates since the last [`read_frames`](HandInbox::read_frames), except the latest.
     earlier: FrameBuffer,
-    /// `true` if the latest update has not been read.
+    /// `true` if the latest update has not been read yet.
     is_unread: bool,
     elements: usize,
     sequence: Sequence,
@@ -275,14 +276,15 @@ impl FingerInbox {
         self.measured_at(state).max(0.0)
     }
 
-    /// Run time of the latest update (s), negative if it was measured before the run.
+    /// Run time of the latest update (s), negative if it was measured before the start of the run.
     fn measured_at(&self, state: &StateInbox) -> f64 {
         let later = (self.earliest - state.earliest) * state.clock.speed().times();
         let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };
         self.time.unwrap_or_else(of_own_clock)
     }
 
-    /// Keeps the frame of the latest update if it is of the run, has not been read, and `next` is of another frame.
+    /// Keeps the frame of the latest update if it was measured during the run and has not been read, and `next`
+    /// contains another frame.
     fn keep_unread(&mut self, state: &StateInbox, next: &TactileUpdate) {
         let time = self.measured_at(state);
         if time < 0.0 {
@@ -314,8 +316,8 @@ pub(crate) fn flags(update: &TactileUpdate) -> FingerFlags {
     }
 }
 
-/// Returns the earliest measurement time of a message, raised to that of the previous message if both are from the
-/// same program, because a program sends its data in order.
+/// Returns the earliest possible measurement time of a message, and at least that of the previous message if both are
+/// from the same program, because a program sends its data in order.
 fn not_before(
     before: &Sequence,
     (instance, _): (u64, u64),

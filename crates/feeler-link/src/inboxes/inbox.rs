@@ -1,4 +1,4 @@
-//! Receiving of messages, common to all programs.
+//! Reception of messages, common to all programs.
 
 use super::beacon::Beacon;
 use super::peers::Peers;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Receiver of a program's messages.
 pub trait Inbox {
-    /// Processes a message received at `now` (s, on the program's clock). Its size is within the topic's limit.
+    /// Processes a message received at `now` (s, on the program's clock). The caller has checked its size.
     ///
     /// # Errors
     /// If the message is rejected.

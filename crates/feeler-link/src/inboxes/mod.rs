@@ -1,4 +1,4 @@
-//! Latest messages of each program of a rig, as each kind of program stores them.
+//! Inboxes: storage of the latest messages from other programs, one type for each kind of program.
 
 pub(crate) mod beacon;
 pub(crate) mod hand_inbox;

@@ -1,4 +1,4 @@
-//! Known programs, and whether they are accepted.
+//! Other programs of the rig, and whether they are accepted.
 
 use crate::messages::decode::read_heartbeat;
 use crate::messages::joints::JointCounts;
@@ -9,13 +9,13 @@ use crate::messages::rejection::Rejection;
 use crate::messages::sequence::Sequence;
 use crate::transport::topic::Place;
 
-/// Time without a heartbeat (s) after which a program counts as gone.
+/// Time without a heartbeat (s) after which a program is considered gone.
 pub const SILENT_AFTER: f64 = 1.0;
 
-/// Maximum number of known programs, as protection against floods.
+/// Maximum number of known programs, to limit the effect of floods.
 pub const MAX_PEERS: usize = 64;
 
-/// Programs that operate the rig. All others only observe or send orders.
+/// Kinds of programs that operate the rig. All others only observe or send orders.
 const WORKING: [ProgramKind; 3] = [ProgramKind::Sense, ProgramKind::Hand, ProgramKind::World];
 
 /// Configuration that other programs must match.
@@ -27,7 +27,7 @@ pub struct Expected {
     pub fingertips: Vec<String>,
     /// Number of joints of each finger. Follows from the experiment.
     pub joints: JointCounts,
-    /// Speed of the rig as in [`Heartbeat::speed`], or `None` to accept any speed.
+    /// Speed of the rig's time as in [`Heartbeat::speed`], or `None` to accept any speed.
     pub speed: Option<f64>,
 }
 
@@ -49,7 +49,7 @@ impl Peer {
         name(&self.heartbeat)
     }
 
-    /// Returns the mismatch for a program that claims this peer's place.
+    /// Returns the mismatch for another program that claims this peer's role.
     pub fn taken(&self) -> Mismatch {
         let program = self.name();
         Mismatch::Taken { program }
@@ -182,7 +182,7 @@ impl Peers {
     }
 
     /// Removes programs that are gone and were refused or do not operate the rig. If the list is still full, removes
-    /// the entry of lowest priority, but never a present, accepted program that operates the rig.
+    /// the entry of lowest priority, except accepted programs that operate the rig and are present.
     fn make_room(&mut self, now: f64) -> Result<(), Rejection> {
         self.peers
             .retain(|peer| !peer.is_silent(now) || (peer.refused.is_none() && peer.works()));
@@ -203,7 +203,7 @@ impl Peers {
         }
     }
 
-    /// Accepts waiting programs whose place has become free.
+    /// Accepts waiting programs whose role has become free.
     fn judge_again(&mut self, now: f64) {
         let waits = |peer: &Peer| {
             matches!(peer.refused, Some(Mismatch::Taken { .. })) && !peer.is_silent(now)
@@ -221,7 +221,7 @@ impl Peers {
         }
     }
 
-    /// Removes a silent program that is replaced by `successor`. If it returns, it is treated as a second program.
+    /// Removes a silent program that `successor` replaces. If it returns, it is treated as another program.
     fn forget_predecessor(&mut self, successor: &Heartbeat) {
         self.peers.retain(|peer| {
             peer.heartbeat.instance == successor.instance
@@ -281,12 +281,12 @@ fn works(heartbeat: &Heartbeat) -> bool {
     WORKING.contains(&heartbeat.program)
 }
 
-/// Returns the place that only one program can hold.
+/// Returns kind and finger, which identify a role that only one program can have.
 fn place(heartbeat: &Heartbeat) -> (&ProgramKind, u32) {
     (&heartbeat.program, heartbeat.finger)
 }
 
-/// Returns the properties on which acceptance is based.
+/// Returns the properties that determine whether a program is accepted.
 fn identity(heartbeat: &Heartbeat) -> impl PartialEq {
     let Heartbeat {
         protocol,

@@ -25,7 +25,7 @@ pub struct RigInbox {
     command: Option<Command>,
     commands: Sequence,
     steps: Sequence,
-    /// Latest step of the hand, to be echoed.
+    /// Latest received step of the hand, which messages echo.
     pub echo: Echo,
     peers: Peers,
     /// Stop ordered by the rig itself because its drives failed.
@@ -133,7 +133,7 @@ impl RigInbox {
         Ok(())
     }
 
-    /// Records the hand's step. A mode message repeats the step of the preceding command.
+    /// Records the hand's latest step. A mode message contains the same step as the preceding command.
     fn take_step(&mut self, header: MessageHeader, token: u64, now: f64) -> Result<(), Rejection> {
         let number = header.number();
         if self.steps.newest() == Some(number) {
@@ -153,14 +153,14 @@ impl RigInbox {
         self.command.is_some()
     }
 
-    /// Returns `true` if a command based on this or a later hand state has arrived.
+    /// Returns `true` if a command based on state `state_sequence` or a later one has arrived.
     pub fn has_answered(&self, state_sequence: u64) -> bool {
         let command = self.command.as_ref();
         command.is_some_and(|command| command.state_sequence >= state_sequence)
     }
 
-    /// Returns the joint velocities (rad/s) to apply at `now` (s), or `None` if the drives must stop. The watchdog
-    /// stops them when the latest command arrived more than `limit` (s) ago.
+    /// Returns the joint velocities (rad/s or m/s) to apply at `now` (s), or `None` if the drives must stop. The
+    /// watchdog stops them when the latest command arrived more than `limit` (s) ago.
     pub fn drive(&mut self, now: f64, limit: f64) -> Option<&[JointVector]> {
         let command = self.command.as_mut()?;
         if now - command.heard > limit {

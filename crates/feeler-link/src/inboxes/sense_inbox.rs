@@ -16,10 +16,10 @@ use std::collections::VecDeque;
 /// Maximum number of queued images. Older ones would be stale before they are processed.
 const MAX_WAITING: usize = 8;
 
-/// Number of the hand's steps kept, to find the latest one before an image.
+/// Number of the hand's steps that are kept, to find the latest one received before an image.
 const REMEMBERED: usize = 16;
 
-/// Data of one exposure, received from the rig.
+/// Image or forces of one exposure, received from the rig.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Exposed {
     /// Camera image.
@@ -136,7 +136,7 @@ impl SenseInbox {
         Ok(())
     }
 
-    /// Checks a header and makes room in the queue for its message.
+    /// Checks the header of a message and removes the oldest message if the queue is full.
     fn queue(&mut self, header: MessageHeader, finger: u32, now: f64) -> Result<(), Rejection> {
         if finger != self.finger {
             return Err(Rejection::Size);
@@ -164,8 +164,8 @@ impl SenseInbox {
         self.waiting.pop_front()
     }
 
-    /// Returns the latest step of the hand received by `at` (s, on the program's clock), which an image of that time
-    /// echoes.
+    /// Returns the latest step of the hand received by `at` (s, on the program's clock), which an image taken at that
+    /// time echoes.
     pub fn echo_at(&self, at: f64) -> Echo {
         let before = self.echoes.iter().rev().find(|echo| echo.arrived <= at);
         before.copied().unwrap_or_default()

@@ -28,7 +28,7 @@ pub struct WatchInbox {
     fingers: Vec<Option<TactileUpdate>>,
     mode: Option<HandMode>,
     state: Option<StateMessage>,
-    /// Latest sequence numbers of each finger's updates; states and modes follow.
+    /// Sequence numbers of the latest update of each finger, of the latest state and of the latest mode.
     updates: Vec<Sequence>,
     states: Sequence,
     modes: Sequence,
@@ -116,8 +116,8 @@ impl WatchInbox {
         self.state.as_ref()
     }
 
-    /// Adopts the experiment of the hand or, until a hand appears, of the first program. After a change, all programs
-    /// are checked again at their next heartbeats.
+    /// Uses the experiment of the hand or, until a hand appears, of the first program. After a change, all programs are
+    /// checked again at their next heartbeats.
     fn agree(&mut self, bytes: &[u8], now: f64) {
         let Ok(heartbeat) = cdr::decode::<Heartbeat>(bytes) else {
             return;
@@ -158,7 +158,7 @@ impl WatchInbox {
         Ok(())
     }
 
-    /// Gaps in the sequence numbers of modes do not count as losses, because the hand skips unneeded modes.
+    /// Stores a mode. Gaps in the sequence numbers do not count as losses, because the hand does not send every mode.
     fn take_mode(&mut self, mut mode: HandMode, now: f64) -> Result<(), Rejection> {
         self.peers.check_hand(mode.header)?;
         self.modes.accept(mode.header.number(), now)?;

@@ -30,7 +30,8 @@ macro_rules! field_name {
     };
 }
 
-/// Defines a message with the given ROS 2 name. It may have `constants`, and ends `with` the texts of all nested types.
+/// Defines a message with the given ROS 2 name. It may have `constants`, and its text ends `with` the texts of all
+/// nested types.
 macro_rules! message {
     (@struct $(#[$meta:meta])+ $type:ident {
         $($(#[$field_meta:meta])+ $field:ident: $kind:ty),+ $(,)?

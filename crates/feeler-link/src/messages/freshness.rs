@@ -1,16 +1,17 @@
 //! Upper bound of the age of received data, without synchronized clocks.
 //!
-//! The hand numbers its control steps. Senders of data echo the latest step that they had received and the time since
-//! then. The data was measured no earlier than the hand sent that step, plus that time. This bounds its age on the
-//! hand's clock, regardless of network delays and of differences between the programs' clocks.
+//! The hand numbers its control steps. Each message echoes the latest step that its sender had received when it
+//! measured the data, and the time since then. The data was measured no earlier than the hand sent that step, plus that
+//! time. This bounds its age on the hand's clock, regardless of network delays and of differences between the programs'
+//! clocks.
 //!
 //! Each step has a token that cannot be guessed before the hand sends it, so an echoed token proves that the sender
-//! received the step. Data recorded from another run, or claiming to follow a future step, proves nothing.
+//! received the step. Data recorded in another run, or with the number of a future step, is therefore rejected.
 
 use std::fmt;
 use std::hash::{BuildHasher, RandomState};
 
-/// Number of steps kept: one second at 1 kHz. Echoes of older steps prove nothing.
+/// Number of steps kept: one second at 1 kHz. Echoes of older steps are not accepted.
 const REMEMBERED: usize = 1024;
 
 /// Send times of the latest control steps, in seconds on the hand's clock.
@@ -19,11 +20,11 @@ pub struct SentSteps {
     /// Step and time, indexed by step modulo the length.
     times: Vec<(u64, f64)>,
     newest: u64,
-    /// Key of the tokens, which are SipHash values of the step. The system draws a new key for each run.
+    /// Key of the tokens, which are SipHash values of the step. Each run has a new random key.
     key: RandomState,
 }
 
-/// Shows only the latest step, without the key, because tokens must stay secret.
+/// Prints only the latest step, without the key, because tokens must stay secret.
 impl fmt::Debug for SentSteps {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let newest = self.times[(self.newest % REMEMBERED as u64) as usize];
@@ -55,13 +56,13 @@ impl SentSteps {
         self.newest
     }
 
-    /// Returns the token of `step`, which other programs learn when it is sent.
+    /// Returns the token of `step`, which is sent to the other programs with it.
     pub fn token(&self, step: u64) -> u64 {
         self.key.hash_one(step)
     }
 
-    /// Returns the earliest time (s, on the hand's clock) at which data can have been measured that was measured
-    /// `echo_age` (s) after its sender received `echo_step`.
+    /// Returns the earliest time (s, on the hand's clock) at which data was measured, if the measurement was `echo_age`
+    /// (s) after its sender had received `echo_step`.
     ///
     /// Returns `None` if the data echoes no step, a step that is too old or has not been sent, or a wrong token.
     pub fn earliest(&self, (echo_step, echo_token): (u64, u64), echo_age: f64) -> Option<f64> {
@@ -77,9 +78,9 @@ impl SentSteps {
 pub struct Echo {
     /// Step number, or 0 before the first.
     pub step: u64,
-    /// The hand's token for that step.
+    /// The hand's token for the step.
     pub token: u64,
-    /// Time of arrival on the program's clock (s).
+    /// Time of arrival on the receiving program's clock (s).
     pub arrived: f64,
 }
 

@@ -4,18 +4,18 @@ use super::rejection::Rejection;
 use feeler::hand::{HandError, JointEfforts, JointVector, MAX_JOINTS};
 use feeler_record::wire::Vector3;
 
-/// Number of joint quantities in a vector of a message.
+/// Number of joints per vector of a message.
 const PER_VECTOR: usize = 3;
 
-/// Number of joints of each finger, which defines the layout of joint quantities in messages: those of a finger fill
-/// one vector per three joints, and unused components are 0.
+/// Number of joints of each finger, which defines the layout of joint quantities in messages: each finger has one
+/// vector per three joints, and unused components are 0.
 ///
 /// All programs of a rig take it from their experiment.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct JointCounts(Vec<usize>);
 
 impl JointCounts {
-    /// Creates the layout for fingers with these numbers of joints. Fingers beyond have three.
+    /// Creates the layout for fingers with these numbers of joints. Any further finger has three joints.
     pub fn new(joints: impl IntoIterator<Item = usize>) -> Self {
         let joints = joints.into_iter();
         Self(joints.map(|count| count.min(MAX_JOINTS)).collect())
@@ -26,13 +26,13 @@ impl JointCounts {
         self.0.get(finger).copied().unwrap_or(PER_VECTOR)
     }
 
-    /// Returns the number of vectors of all fingers of a hand with this number of fingers.
+    /// Returns the total number of vectors of a hand with this number of fingers.
     pub fn vectors(&self, fingers: usize) -> usize {
         let vectors = |finger| self.of_finger(finger).div_ceil(PER_VECTOR);
         (0..fingers).map(vectors).sum()
     }
 
-    /// Converts joint quantities of all fingers to those of a message; missing ones are 0.
+    /// Converts the joint quantities of all fingers to vectors of a message; missing quantities are 0.
     ///
     /// # Errors
     /// [`HandError::JointCount`] if a finger has more joints than expected.
@@ -60,8 +60,8 @@ impl JointCounts {
         Ok(vectors)
     }
 
-    /// Converts joint quantities in a message to those of each finger. A finger whose vectors are missing ends the
-    /// iteration.
+    /// Converts the vectors of a message to the joint quantities of each finger. The iteration ends at the first finger
+    /// whose vectors are missing.
     pub fn of_message<'a>(
         &'a self,
         vectors: &'a [Vector3],
@@ -75,8 +75,8 @@ impl JointCounts {
         })
     }
 
-    /// Converts the efforts of all fingers to those of a message and their uncertainties: NaN for a finger that measures
-    /// none, or empty if no finger measures any.
+    /// Converts the efforts of all fingers, and their uncertainties, to vectors of a message: NaN for a finger that
+    /// measures none, or empty if no finger measures any.
     ///
     /// # Errors
     /// As [`to_message`](Self::to_message).
@@ -98,7 +98,8 @@ impl JointCounts {
         ))
     }
 
-    /// Checks that `vectors` are those of a hand with this number of fingers, and that unused components are 0.
+    /// Checks that `vectors` matches the joints of a hand with this number of fingers, and that unused components are
+    /// 0.
     pub(crate) fn check(&self, fingers: usize, vectors: &[Vector3]) -> Result<(), Rejection> {
         let mut unused = self
             .split(vectors)
@@ -107,7 +108,7 @@ impl JointCounts {
         is_whole.then_some(()).ok_or(Rejection::Size)
     }
 
-    /// Splits `vectors` into the number of joints and the vectors of each finger, as far as there are vectors.
+    /// Splits `vectors` into the fingers' parts, each with the number of joints, until no complete part remains.
     fn split<'a>(
         &'a self,
         mut vectors: &'a [Vector3],

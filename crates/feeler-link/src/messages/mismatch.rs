@@ -3,7 +3,7 @@
 use super::message::PROTOCOL;
 use super::printable::printable;
 
-/// Mismatch between another program and this one, for which it is refused.
+/// Mismatch between another program and this one, which refuses the other one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Mismatch {
     /// Different protocol version.
@@ -53,10 +53,10 @@ pub enum Mismatch {
         /// Ratio that this program expects.
         ours: f64,
     },
-    /// The place is held by another program.
+    /// Another program already has this role.
     #[error("{program} is already running")]
     Taken {
-        /// The running program.
+        /// The program that has the role.
         program: String,
     },
 }

@@ -9,9 +9,9 @@ use super::rejection::Rejection;
 use feeler_record::wire::Vector3;
 use glam::{DQuat, DVec3};
 
-/// Maximum joint position (rad or m).
+/// Maximum magnitude of a joint position (rad or m).
 const MAX_ANGLE: f64 = 100.0;
-/// Maximum joint velocity (rad/s or m/s).
+/// Maximum magnitude of a joint velocity (rad/s or m/s).
 const MAX_JOINT_VELOCITY: f64 = 1000.0;
 /// Maximum effort of a motor on its joint, and of its uncertainty (N m or N).
 const MAX_EFFORT: f64 = 1e6;
@@ -19,9 +19,9 @@ const MAX_EFFORT: f64 = 1e6;
 const MAX_FORCE: f64 = 1e4;
 /// Maximum shear rate of an element (N/s).
 const MAX_SHEAR_RATE: f64 = 1e8;
-/// Maximum instrument reading, in its unit.
+/// Maximum magnitude of an instrument reading, in its unit.
 const MAX_READING: f64 = 1e9;
-/// Tolerance of the norm of a unit quaternion, far above rounding errors.
+/// Tolerance of the norm of a unit quaternion; far above rounding errors.
 const UNIT: f64 = 1e-6;
 
 /// Checks the protocol version of a message.

@@ -14,11 +14,11 @@ pub enum Rejection {
     /// Of another protocol version.
     #[error("of another version")]
     Protocol,
-    /// From a program whose heartbeat has not arrived yet, or that has not received the hand's messages yet. This is
+    /// Sent by a program whose heartbeat has not arrived yet, or that has not received the hand's messages yet. This is
     /// normal at start-up and not counted as a fault.
     #[error("before their heartbeat")]
     Unintroduced,
-    /// From a refused program, or one that does not send such messages.
+    /// Sent by a refused program, or by one that does not send such messages.
     #[error("from unknown senders")]
     Stranger,
     /// The number of fingers, joints, elements or pixels does not match the experiment.
@@ -30,10 +30,10 @@ pub enum Rejection {
     /// Duplicate, or received after a newer message.
     #[error("late or duplicate")]
     Old,
-    /// Echoes or refers to a step or time in the future.
+    /// Echoes or contains a step or time in the future.
     #[error("from the future")]
     Future,
-    /// Cannot be shown to be recent: it echoes a step of another run of the hand, or a step that is too old.
+    /// Cannot be proven recent: it echoes a step of another run of the hand, or a step that is too old.
     #[error("without proof of age")]
     Unproven,
     /// Stamped by a clock other than the rig's.

@@ -11,8 +11,8 @@ const MAX_RATE: f64 = 10_000.0;
 /// Maximum gap between sequence numbers that is accepted after any time, since a burst of messages may be lost.
 const MAX_AHEAD: f64 = 1000.0;
 
-/// Time without an accepted message (s) after which the next one is accepted with any number. This readmits a sender
-/// after a false number. It does not admit old data, because ages are proven separately.
+/// Time without an accepted message (s) after which the next one is accepted with any number. Thus a wrong number does
+/// not lock out its sender. Old data is still rejected, because ages are checked separately.
 pub const FORGOTTEN_AFTER: f64 = 0.5;
 
 /// Latest accepted message of a kind.
@@ -25,7 +25,7 @@ pub struct Sequence {
 struct Newest {
     instance: u64,
     number: u64,
-    /// Time of acceptance (s).
+    /// Time at which the message was accepted (s).
     at: f64,
 }
 
@@ -78,7 +78,7 @@ impl Sequence {
     }
 }
 
-/// Returns the maximum gap after `waited` (s).
+/// Returns the maximum accepted gap after `waited` (s).
 fn most_ahead(waited: f64) -> u64 {
     (MAX_AHEAD + MAX_RATE * waited.max(0.0)) as u64
 }

@@ -50,7 +50,7 @@ impl TactileUpdate {
     }
 }
 
-/// Packs flags into bytes: bit `i % 8` of byte `i / 8` is element `i`.
+/// Packs the elements' flags into bytes: bit `i % 8` of byte `i / 8` is element `i`.
 fn mask(elements: impl ExactSizeIterator<Item = bool>) -> Vec<u8> {
     let mut mask = vec![0; elements.len().div_ceil(8)];
     for (element, is_set) in elements.enumerate() {

@@ -27,8 +27,8 @@ const WAITING_PERIOD: f64 = 0.01;
 
 /// Program that controls a hand whose fingers and drives are in other programs.
 ///
-/// Stale data and orders on [`Topic::Stop`] stop the hand. It resumes by an order or, if configured, automatically
-/// once the data is fresh again.
+/// Stale data and orders on [`Topic::Stop`] stop the hand. It resumes on an order or, if configured, automatically once
+/// the data is fresh again.
 pub struct HandProgram {
     control_loop: RemoteLoop,
     status: HandStatus,
@@ -122,8 +122,8 @@ impl HandProgram {
     /// Runs the control loop until the task is done or aborted, the time limit is reached, `each_step` breaks or
     /// `interrupted` is set, and then stops all fingers. Returns the value with which `each_step` broke, if any.
     ///
-    /// `each_step` is called with the instrument readings after every step worth recording, which excludes steps of a
-    /// stopped hand without new data.
+    /// `each_step` is called with the instrument readings after every step, except steps of a stopped hand without new
+    /// data.
     ///
     /// # Errors
     /// If the network or the control loop fails.
@@ -163,7 +163,7 @@ impl HandProgram {
         })
     }
 
-    /// Publishes the final mode. The rig's watchdog stops the drives when commands end.
+    /// Publishes the final mode. Afterwards, the rig's watchdog stops the drives, because no more commands arrive.
     fn publish_end(&self) {
         let node = &self.status.node;
         let stamp = self.control_loop.state().stamp;
@@ -190,18 +190,18 @@ impl HandProgram {
 #[derive(Debug, Clone)]
 pub struct Stopper {
     inbox: Shared<HandInbox>,
-    /// Time limit for stopping, after which the hand counts as hanging.
+    /// Maximum time to stop, after which the hand is considered hanging.
     longest: Duration,
 }
 
-/// Returns the time limit for stopping: four control periods (s), although two suffice, but at least 0.1 s for loaded
+/// Returns the maximum time to stop: four control periods (s), although two suffice, but at least 0.1 s for loaded
 /// machines.
 fn stands_still_within(period: Option<f64>) -> Duration {
     Duration::from_secs_f64((4.0 * period.unwrap_or(0.0)).max(0.1))
 }
 
 impl Stopper {
-    /// Stops the hand by the order `id` from the sender `from`, and waits until it stands still, for at most four
+    /// Stops the hand with the order `id` from the sender `from`, and waits until it stands still, for at most four
     /// control periods or 0.1 s, whichever is longer.
     ///
     /// Returns the number of the stop (0 if the order has already been resumed), and `true` if the hand has stopped and

@@ -14,7 +14,7 @@ pub type RemoteLoop = ControlLoop<RemoteFinger, RemoteHand>;
 /// Configuration of a hand program.
 #[derive(Debug, Clone)]
 pub struct HandConfig {
-    /// Control period, stale limit and resume policy.
+    /// Control period, maximum age of data, and resume policy.
     pub control: ControlConfig,
     /// Configuration that other programs must match.
     pub expected: Expected,

@@ -11,10 +11,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Timeout for the rig's next state, after which the interrupt flag is checked and the command resent.
+/// Time to wait for the rig's next state before the interrupt flag is checked and the command resent.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// Timeout for the next step of a rig in lockstep (s). Rendering images on a loaded computer takes far less.
+/// Maximum time to wait for the next state of a rig in lockstep (s). Rendering images on a loaded computer takes far
+/// less.
 pub(super) const HANGS_AFTER: f64 = 20.0;
 
 /// Schedule of control steps.
@@ -46,7 +47,7 @@ impl Schedule for HandSchedule {
 }
 
 impl Lockstep {
-    /// Resends the last command if the rig has not advanced, because the network may have dropped it.
+    /// Resends the last command if the rig has not advanced, because the network may have dropped the command.
     fn answer_again(&self) {
         let stands = self.inbox.lock().state_sequence() == self.answered;
         if let Some(command) = self.command.lock().as_ref().filter(|_| stands) {

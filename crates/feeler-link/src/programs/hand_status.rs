@@ -13,7 +13,7 @@ use crate::transport::topic::Topic;
 use feeler::control::{ControlConfig, Phase, ResumePolicy, StopReason};
 use feeler::pace::Punctuality;
 
-/// Minimum interval between equal modes (s). At the usual 100 Hz, every step publishes its mode.
+/// Minimum interval between publications of an unchanged mode (s). At the usual 100 Hz, every step publishes its mode.
 const MODE_INTERVAL: f64 = 0.009;
 
 /// State of the hand program outside of its control loop.
@@ -25,7 +25,7 @@ pub(super) struct HandStatus {
     time_limit: f64,
     resume: ResumePolicy,
     pub punctuality: Punctuality,
-    /// `true` if another hand was present at the last report.
+    /// `true` if another hand program was present at the last report.
     has_rival: bool,
     /// Rig time at the start of the run (s), or NaN before the first step.
     pub began: f64,
@@ -35,10 +35,10 @@ pub(super) struct HandStatus {
     published: (HandMode, f64),
 }
 
-/// Time limits on the hand's clock.
+/// Limits on the age of data and the control period, on the hand's clock.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// Age at which data is stale (s).
+    /// Age above which data is stale (s).
     pub stale: f64,
     /// Control period (s), or `None` in lockstep.
     pub period: Option<f64>,
@@ -83,7 +83,7 @@ impl HandStatus {
         })
     }
 
-    /// Returns `true` if this hand, which has not started, yields to another hand. It sends no heartbeats then.
+    /// Returns `true` if this hand program, which has not started, yields to another one. It then sends no heartbeats.
     pub fn stands_back(&mut self) -> bool {
         let (now, instance) = (self.node.now(), self.node.instance);
         let ahead = self.node.inbox.lock().hand_ahead(now, instance);
@@ -122,7 +122,7 @@ impl HandStatus {
         }
     }
 
-    /// Adds a stop by the controller to the active stops, unless another is active.
+    /// Adds a stop to the active stops if the controller has stopped the hand, unless a stop is already active.
     pub fn hold_if_stopped(&self, control_loop: &RemoteLoop) {
         if let Some(reason) = control_loop.controller().stop_reason() {
             let mut inbox = self.node.inbox.lock();
@@ -146,7 +146,7 @@ impl HandStatus {
         Ok(())
     }
 
-    /// Warns the operator, and the other programs with the next heartbeat.
+    /// Warns the operator, and the other programs through the next heartbeat.
     pub fn warn(&mut self, control_loop: &RemoteLoop, what: &str) {
         let stamp = control_loop.state().stamp;
         self.warning = format!("{stamp:.2} s: {what}");
@@ -182,7 +182,7 @@ impl HandStatus {
         });
     }
 
-    /// Returns `true` if the task is done or finally aborted, or the time limit is reached.
+    /// Returns `true` if the task is done or stopped for an unrecoverable reason, or the time limit is reached.
     pub fn is_over(&self, control_loop: &RemoteLoop) -> bool {
         let controller = control_loop.controller();
         let given_up = controller

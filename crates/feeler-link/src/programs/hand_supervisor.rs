@@ -1,4 +1,4 @@
-//! Work of the hand program before and after each control step.
+//! Actions of the hand program before and after each control step.
 
 use super::hand_config::RemoteLoop;
 use super::hand_schedule::HANGS_AFTER;
@@ -39,7 +39,7 @@ pub(super) struct HandSupervisor<'a, F> {
     answered: u64,
     /// Sequence number of the state that the current step is based on.
     answers: u64,
-    /// Instrument readings of that state.
+    /// Instrument readings in the state that the current step is based on.
     instruments: Option<InstrumentsMessage>,
 }
 
@@ -124,7 +124,7 @@ where
         }
     }
 
-    /// Passes the step to `each_step`, with the instrument readings.
+    /// Passes the step and the instrument readings to `each_step`.
     fn record(&mut self, control_loop: &RemoteLoop, stamp: f64) -> ControlFlow<StepEnd<B>> {
         let fingers = control_loop.state().joints.len();
         let read = self.instruments.map(|at| at.recorded(stamp, fingers));

@@ -1,7 +1,8 @@
-//! Programs of a rig: the hand, which controls; the rig, which moves the drives; and the fingertip sensors.
+//! Programs of a rig: the hand program, which controls; the rig program, which moves the drives; and the sensor
+//! programs of the fingertips.
 //!
-//! Each program runs on a [`Network`](crate::transport::network::Network) until it is interrupted. Refused programs and lost
-//! messages are reported by heartbeats and warnings. No message of another program ends it.
+//! Each program runs on a [`Network`](crate::transport::network::Network) until it is interrupted. Refused programs and
+//! lost messages are reported by heartbeats and warnings. No message from another program can end it.
 
 mod error;
 mod hand;

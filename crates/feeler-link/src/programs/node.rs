@@ -68,13 +68,13 @@ impl<I: Inbox + Send + 'static> Node<I> {
         (self.warn)(text);
     }
 
-    /// Returns the refusals that have not been reported yet.
+    /// Returns the mismatches of refused programs that have not been reported yet.
     pub fn new_refusals(&mut self) -> Vec<Mismatch> {
         let now = self.now();
         self.refusals.new_ones(self.inbox.lock().peers(), now)
     }
 
-    /// Warns the operator about the refusals that have not been reported yet, and returns the last one.
+    /// Warns the operator of refused programs that have not been reported yet, and returns the last mismatch.
     pub fn warn_of_refusals(&mut self) -> Option<Mismatch> {
         let new = self.new_refusals();
         for mismatch in &new {
@@ -84,7 +84,7 @@ impl<I: Inbox + Send + 'static> Node<I> {
     }
 }
 
-/// Returns the first heartbeat of a program with the given experiment (SHA-256). Draws the program's instance.
+/// Returns the first heartbeat of a program with the given experiment (SHA-256), with a random instance.
 pub(super) fn first_heartbeat(program: ProgramKind, experiment: &str) -> Heartbeat {
     Heartbeat {
         instance: draw_instance(),

@@ -4,13 +4,13 @@ use crate::inboxes::peers::Peers;
 use crate::messages::mismatch::Mismatch;
 use std::collections::VecDeque;
 
-/// Number of reported refusals kept to avoid repetitions, and maximum burst of reports.
+/// Number of reported refusals that are remembered to avoid repetitions, and maximum number of reports at once.
 const MOST: usize = 64;
 
-/// Average number of reports per second, which protects the log from a flood of new programs.
+/// Maximum average number of reports per second, which protects the log from a flood of new programs.
 const RATE: f64 = 1.0;
 
-/// Filter that returns each refusal once.
+/// Filter that reports each refusal once.
 #[derive(Debug)]
 pub(super) struct Refusals {
     told: VecDeque<Mismatch>,
@@ -30,7 +30,7 @@ impl Default for Refusals {
 }
 
 impl Refusals {
-    /// Returns the refusals of `peers` that have not been reported by `now` (s).
+    /// Returns the refusals in `peers` that have not been reported, as far as the rate at `now` (s) allows.
     pub fn new_ones(&mut self, peers: &Peers, now: f64) -> Vec<Mismatch> {
         self.allowed = (self.allowed + RATE * (now - self.at)).min(MOST as f64);
         self.at = now;

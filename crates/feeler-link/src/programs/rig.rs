@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Timeout for the hand's answer in lockstep, after which the data is published again and the interrupt flag checked.
+/// Time to wait for the hand's answer in lockstep before the data is published again and the interrupt flag checked.
 const PATIENCE: Duration = Duration::from_millis(200);
 
 /// Program that serves a rig. Its drives follow the hand program's commands while these are fresh.
@@ -32,9 +32,9 @@ pub struct RigProgram<R> {
     pub(super) exposed: Vec<Option<Exposed>>,
     pub(super) missed: u64,
     pub(super) warning: String,
-    /// Number of drive failures, and time of the last stop order that they caused (s).
+    /// Number of drive failures, and time of the latest stop order that they caused (s).
     pub(super) faults: (u64, f64),
-    /// Latest readings, kept for resending in lockstep.
+    /// Latest readings, kept to be published again in lockstep.
     pub(super) published: Vec<Reading>,
     /// Sequence number and time (s) of the last report.
     pub(super) reported: (u64, f64),
@@ -113,7 +113,7 @@ impl<R: Rig> RigProgram<R> {
         ended.and(self.survive(stopped))
     }
 
-    /// Runs at a fixed rate, independent of the hand. Rig time starts with the hand's first command.
+    /// Serves the rig at a fixed rate, independent of the hand. Rig time starts with the hand's first command.
     fn run_in_time(&mut self, speed: f64, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         let watchdog = (self.config.stale_periods + 1.0) * self.config.period / speed;
         let steps = self.rig.steps_per_period();
@@ -133,7 +133,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Executes the hand's latest command, or stops the drives if it is older than `watchdog` (s).
+    /// Executes the hand's latest command, or stops the drives if the command is older than `watchdog` (s).
     fn drive(&mut self, watchdog: f64) -> Result<(), ProgramError> {
         let now = self.node.now();
         let mut inbox = self.node.inbox.lock();
@@ -152,7 +152,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Runs in lockstep: waits for the hand's answer in every period.
+    /// Serves the rig in lockstep: waits for the hand's answer in every period.
     fn run_in_lockstep(&mut self, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         self.publish()?;
         while !interrupted.load(Ordering::Relaxed) {
@@ -176,7 +176,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Passes the rig time to the inbox, which computes the ages of commands with it.
+    /// Passes the rig time to the inbox, which computes the ages of commands from it.
     pub(super) fn update_time(&self) {
         self.node.inbox.lock().time = self.rig.time();
     }

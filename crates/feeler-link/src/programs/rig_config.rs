@@ -7,7 +7,7 @@ use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::forces::{SensorError, TactileFrame};
 use feeler::sensor::image::Frame;
 
-/// Output of a finger's sensor.
+/// Output of a finger's sensor in a rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorOutput<'a> {
     /// Latest camera image.
@@ -30,7 +30,7 @@ pub trait Rig {
     /// If encoders or instruments cannot be read.
     fn read(&mut self, state: &mut HandState) -> Result<Option<InstrumentsMessage>, HandError>;
 
-    /// Returns the current output of the sensor of `finger`, or `None` if its camera belongs to another program.
+    /// Returns the current output of the sensor of `finger`, or `None` if another program reads its camera.
     ///
     /// # Errors
     /// If the sensor fails.

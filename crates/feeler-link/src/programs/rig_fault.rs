@@ -1,4 +1,4 @@
-//! Handling of drive failures: the rig stops its drives and the hand until the stop is resumed.
+//! Handling of drive failures: the rig stops its drives and orders the hand to stop until the stop is resumed.
 
 use super::error::ProgramError;
 use super::rig::RigProgram;
@@ -39,7 +39,7 @@ impl<R: Rig> RigProgram<R> {
         }
     }
 
-    /// Turns a drive error into a stop of the hand, if the program is configured to survive faults.
+    /// Converts a drive error to a stop of the hand, if the program is configured to survive faults.
     pub(super) fn survive(&mut self, result: Result<(), HandError>) -> Result<(), ProgramError> {
         let Err(error) = result else {
             return Ok(());

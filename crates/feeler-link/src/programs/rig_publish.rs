@@ -43,8 +43,8 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Publishes the latest readings again, for programs that missed them. They are still valid, because the rig stands
-    /// still meanwhile.
+    /// Publishes the latest readings again, for programs that missed them. They are still valid, because the rig does
+    /// not move in the meantime.
     pub(super) fn publish_again(&mut self) -> Result<(), ProgramError> {
         let (echo, time) = self.taken();
         for reading in &mut self.published {
@@ -57,13 +57,13 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Returns the hand's latest step and the current time (s), which readings taken now echo.
+    /// Returns the hand's latest step and the current time (s), for the echo of readings taken now.
     fn taken(&self) -> (Echo, f64) {
         (self.node.inbox.lock().echo, self.node.now())
     }
 
-    /// Publishes the output of the sensor of `finger`. A repeated image keeps the echo of its first publication, a new
-    /// one echoes `taken`.
+    /// Publishes the output of the sensor of `finger`. The message echoes the hand's step in `taken`, or for a repeated
+    /// image the same step as before.
     fn expose(&mut self, finger: usize, taken: (Echo, f64)) -> Result<(), ProgramError> {
         let failed = |source| ProgramError::Sensor { finger, source };
         let Some(exposure) = self.rig.expose(finger).map_err(failed)? else {
@@ -96,7 +96,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(self.send(reading)?)
     }
 
-    /// Sends `reading`, and keeps it for resending in lockstep, because reading again would draw different noise.
+    /// Sends `reading`, and keeps it for resending in lockstep, because another reading would have different noise.
     fn send(&mut self, reading: Reading) -> Result<(), LinkError> {
         let (topic, bytes) = reading.encoded()?;
         self.node.network.send(topic, bytes)?;

@@ -1,4 +1,4 @@
-//! Readings that the rig program publishes.
+//! Messages with readings, as published by the rig program.
 
 use crate::messages::freshness::Echo;
 use crate::messages::message::{DirectForces, MessageHeader, PictureMessage, StateMessage};
@@ -32,10 +32,10 @@ impl Reading {
     }
 }
 
-/// Published image of a finger.
+/// Latest published image or forces of a finger.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Exposed {
     pub number: u64,
-    /// The hand's latest step at the exposure, and the time of the exposure (s).
+    /// The hand's latest step when the image was taken, and that time (s).
     pub taken: (Echo, f64),
 }

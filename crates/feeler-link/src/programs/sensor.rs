@@ -79,7 +79,7 @@ impl SensorProgram {
         self.node.set_warn(warn);
     }
 
-    /// Returns the oldest queued exposure of a remote rig. Waits for one for at most `longest`.
+    /// Returns the oldest queued image or forces of a remote rig. Waits for at most `longest`.
     pub fn next_exposed(&self, longest: Duration) -> Option<Exposed> {
         let mut next = None;
         self.node.inbox.wait_for(longest, |inbox| {
@@ -108,8 +108,8 @@ impl SensorProgram {
         self.publish_update(header, sequence, at, forces)
     }
 
-    /// Publishes the forces of a remote rig's exposure, received at `at`. `taken` and `number` are its header and frame
-    /// sequence number; `forces` is as in [`publish`](Self::publish).
+    /// Publishes the forces of an image from a remote rig, received at `at`. `taken` and `number` are the header and
+    /// the frame sequence number of the image; `forces` is as in [`publish`](Self::publish).
     ///
     /// # Errors
     /// If the network fails.
@@ -148,7 +148,7 @@ impl SensorProgram {
         Ok(())
     }
 
-    /// Reports a sensor fault to the operator, and to the other programs by heartbeat.
+    /// Reports a sensor fault to the operator, and to the other programs through the heartbeat.
     pub fn warn(&mut self, what: &str) {
         self.node.warn(what);
         let fault = what.to_string();

@@ -1,6 +1,6 @@
 //! Keys that each right may write and read, as access-control rules for Zenoh.
 //!
-//! All messages pass through the hand, whose rules decide. The other programs accept messages from the hand only.
+//! All messages pass through the hand, whose rules are decisive. The other programs accept messages from the hand only.
 
 use super::right::{CertificateName, MAX_SERIAL, Right};
 use super::withdrawn::{self, WithdrawnError};
@@ -44,8 +44,8 @@ pub fn access_control(config: &LinkConfig, role: Role) -> Result<Option<Value>, 
     Ok(Some(rules(&config.rig, role, &withdrawn, is_open)))
 }
 
-/// Returns the access-control settings for the rig named `rig`. Everything not permitted is denied. Certificates in
-/// `withdrawn` have no rights. If `is_open`, peers without TLS have all rights.
+/// Returns the access-control settings for the rig named `rig`. All other access is denied. Certificates in `withdrawn`
+/// have no rights. If `is_open`, peers without TLS have all rights.
 pub fn rules(rig: &str, role: Role, withdrawn: &BTreeSet<CertificateName>, is_open: bool) -> Value {
     let rights = match role {
         Role::Hand => Right::all(),
@@ -78,7 +78,8 @@ pub fn rules(rig: &str, role: Role, withdrawn: &BTreeSet<CertificateName>, is_op
     })
 }
 
-/// Returns all possible certificate names of a right, including those not issued yet, except withdrawn ones.
+/// Returns all possible certificate names for a right, including those that are not issued yet, without the withdrawn
+/// ones.
 fn names(
     right: Right,
     withdrawn: &BTreeSet<CertificateName>,

@@ -15,7 +15,7 @@ use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Files of the authority's certificate and key in the lab's folder.
+/// File names of the authority's certificate and key in the lab's folder.
 const AUTHORITY: [&str; 2] = ["ca.pem", "ca-key.pem"];
 
 /// Certificate authority of a lab.

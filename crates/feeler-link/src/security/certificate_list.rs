@@ -1,4 +1,4 @@
-//! Listing and withdrawing of a lab's certificates.
+//! Lists and withdraws the certificates of a lab.
 
 use super::authority::{Authority, CertificateError, none};
 use super::files::{FileError, append};

@@ -1,4 +1,4 @@
-//! Checks of a program's own certificate before connecting, for clearer errors than a failed TLS handshake gives.
+//! Checks a program's own certificate before connecting, to report clearer errors than a failed TLS handshake.
 
 use super::files::FileError;
 use super::right::{CertificateName, Right, RightError};
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use x509_parser::certificate::X509Certificate;
 use x509_parser::pem::parse_x509_pem;
 
-/// Number of days before expiry from which a program warns.
+/// Number of days before expiry at which a program starts to warn.
 pub const WARNING_DAYS: u64 = 30;
 
 /// Error of a program's own certificate.
@@ -39,7 +39,7 @@ pub enum OwnCertificateError {
         path: PathBuf,
         /// Name of the certificate.
         name: CertificateName,
-        /// Rights that the program accepts; one is sufficient.
+        /// Rights that the program accepts; the certificate must grant one.
         expected: String,
     },
     /// Expired, or not valid yet.
@@ -55,7 +55,7 @@ pub enum OwnCertificateError {
         from: String,
         /// Last day of validity.
         until: String,
-        /// Today by this computer's clock.
+        /// Today's date by this computer's clock.
         today: String,
     },
     /// Withdrawn by the lab.

@@ -98,7 +98,7 @@ impl Register {
     }
 
     /// Adds a certificate for `right` and `computer`, and returns its new name. Call this before issuing the
-    /// certificate: a failure may then waste a name, but no name is used twice.
+    /// certificate: a failure may then leave a name unused, but no name is used twice.
     ///
     /// # Errors
     /// If all serial numbers are in use, or the file cannot be written.
@@ -124,7 +124,7 @@ impl Register {
     }
 }
 
-/// Parses a line. The error is that of the name, or `None` if the number of words is wrong.
+/// Parses a line. Returns the error of the name, or `None` as the error if the number of words is wrong.
 fn entry(line: &str) -> Result<Entry, Option<RightError>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [name, computer, until] = words[..] else {

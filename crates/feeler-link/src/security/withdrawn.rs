@@ -5,10 +5,10 @@ use super::right::{CertificateName, RightError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// File name of the list, in the lab's folder and in each certificate folder.
+/// Name of the file that lists withdrawn certificates, in the lab's folder and in each certificate folder.
 pub const WITHDRAWN: &str = "withdrawn.txt";
 
-/// Error of reading the list.
+/// Error of reading the list of withdrawn certificates.
 #[derive(Debug, thiserror::Error)]
 pub enum WithdrawnError {
     /// The file cannot be read.
@@ -39,8 +39,8 @@ pub fn read(path: &Path) -> Result<BTreeSet<CertificateName>, WithdrawnError> {
     })
 }
 
-/// Reads the lists that apply to the certificates in `folder`: the one in it, and the one in its parent folder, which
-/// the certificates for all rights share.
+/// Reads the lists that apply to the certificates in `folder`: the list in `folder`, and the list in its parent folder,
+/// which is common to the certificates for all rights.
 ///
 /// # Errors
 /// If a list exists but cannot be read or parsed.

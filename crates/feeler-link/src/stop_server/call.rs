@@ -11,11 +11,11 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use std::{io, thread};
 
-/// Interval and total duration of repeated calls.
+/// Interval between repeated calls, and maximum total duration of a call.
 const INTERVAL: Duration = Duration::from_millis(100);
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Error of a call: the hand did not stop, or did not confirm it.
+/// Error of a call to the stop server: the hand did not stop, or did not confirm that it stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum StopCallError {
     /// Invalid endpoint, or missing certificates.
@@ -52,7 +52,7 @@ pub enum StopCallError {
         distrusted.as_ref().map(|d| format!("; untrusted answer: {d}")).unwrap_or_default()
     )]
     Unanswered {
-        /// Reason for distrusting the last answer, if any arrived.
+        /// Reason why the last answer is not trusted, if any arrived.
         distrusted: Option<Denial>,
     },
 }
@@ -108,7 +108,7 @@ pub fn call_stop(
 }
 
 impl Call {
-    /// Creates a call to each address of an endpoint. Empty for a `udp/` endpoint, which has no stop server.
+    /// Creates a call to each address of an endpoint. Returns no calls for a `udp/` endpoint, which has no stop server.
     fn new(
         endpoint: &str,
         certificates: Option<&Path>,
@@ -148,7 +148,7 @@ impl Call {
         Ok(calls)
     }
 
-    /// Answers challenges until a verdict or an untrusted answer arrives, or until the time `until`.
+    /// Processes challenges until a verdict or an untrusted answer arrives, or until the time `until`.
     fn listen(&self, until: Instant) -> Result<Option<Result<Verdict, Denial>>, StopCallError> {
         let mut bytes = [0; MAX_BYTES + 1];
         loop {
@@ -194,7 +194,7 @@ impl Call {
         }
     }
 
-    /// Returns the verdict of an answer after checking that it is from a hand.
+    /// Checks that an answer is from a hand, and returns its verdict.
     fn believe(&self, answer: Datagram) -> Result<Verdict, Denial> {
         if let (Some(credentials), Datagram::Answer { proof, .. }) = (&self.credentials, &answer) {
             credentials.check(&answer, proof.as_ref(), &[Right::Hand])?;

@@ -14,7 +14,7 @@ use std::time::Duration;
 /// Rights that permit stopping the hand.
 const MAY_STOP: [Right; 3] = [Right::Order, Right::Stop, Right::Hand];
 
-/// Length of a time slot. A challenge is valid in its slot and in the next one.
+/// Length of a time slot. A challenge is valid in its time slot and in the next one.
 const CHALLENGE: Duration = Duration::from_secs(10);
 
 /// Maximum number of signature checks per second, in total and per address. A check and the signature of the answer
@@ -82,7 +82,7 @@ impl StopGuard {
         }
     }
 
-    /// Returns `true` if `cookie` is from a recent challenge to this caller.
+    /// Returns `true` if `cookie` was sent to this caller in a recent challenge.
     fn is_ours(&self, caller: SocketAddr, nonce: &Nonce, cookie: &Cookie, now: Duration) -> bool {
         let slots = [Some(slot(now)), slot(now).checked_sub(1)];
         let mut slots = slots.into_iter().flatten();
@@ -99,7 +99,7 @@ impl StopGuard {
         cookie
     }
 
-    /// Returns the previous answer to this call, because a repeated call is one order.
+    /// Returns the previous answer to this call, if any, because a repeated call is a single order.
     fn given(&mut self, caller: SocketAddr, nonce: &Nonce, now: Duration) -> Option<Vec<u8>> {
         self.kept.retain(|kept| now < kept.at + 2 * CHALLENGE);
         let same = |kept: &&Kept| kept.to == caller && kept.nonce == *nonce;

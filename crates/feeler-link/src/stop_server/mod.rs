@@ -1,4 +1,4 @@
-//! Stopping a hand by datagrams, without a connection.
+//! Stops a hand by datagrams, without a connection.
 
 #[cfg(feature = "zenoh")]
 pub(crate) mod call;

@@ -39,7 +39,7 @@ pub enum CredentialsError {
 /// Reason for rejecting a proof.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Denial {
-    /// No proof.
+    /// The datagram contains no proof.
     #[error("no certificate; expected a certificate of this lab")]
     Missing,
     /// Not a certificate.
@@ -67,7 +67,8 @@ pub enum Denial {
     Signature(CertificateName),
 }
 
-/// Certificate and key of a program, with the authority and withdrawn names to check the certificates of others.
+/// Certificate and key of a program, with the authority and the withdrawn names against which other certificates are
+/// checked.
 pub struct Credentials {
     authority: CertificateDer<'static>,
     certificate: Vec<u8>,
@@ -104,8 +105,8 @@ impl Credentials {
         })
     }
 
-    /// Checks that `proof` is valid for `datagram` and grants one of `rights`, cheap checks first. Returns the name of
-    /// the certificate.
+    /// Checks that `proof` is valid for `datagram` and grants one of `rights`, with the cheapest checks first. Returns
+    /// the name of the certificate.
     ///
     /// # Errors
     /// Returns the reason if the proof is rejected.

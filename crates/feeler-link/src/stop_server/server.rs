@@ -56,8 +56,8 @@ impl StopServer {
     /// Starts a server at each `tcp/` and `tls/` endpoint of `listen`, for the hand of `rig`. Callers at `tls/`
     /// endpoints must present a certificate, which is checked against the hand's folder `certificates`.
     ///
-    /// `answering` receives the order's id and the sender's name, stops the hand and returns the answer. It runs on the
-    /// endpoint's thread, once per call.
+    /// `answering` is called with the order's id and the sender's name; it stops the hand and returns the answer. It
+    /// runs on the endpoint's thread, once per call.
     ///
     /// # Errors
     /// If an endpoint or the certificates are invalid, or a UDP port is in use.

@@ -57,7 +57,7 @@ pub enum Datagram {
         /// Nonce of the call.
         nonce: Nonce,
     },
-    /// Challenge to the caller, which proves the caller's address.
+    /// Challenge to the caller, with which it proves its address.
     Challenge {
         /// Nonce of the call.
         nonce: Nonce,
@@ -221,7 +221,7 @@ fn take_verdict(rest: &mut &[u8]) -> Option<Verdict> {
     }
 }
 
-/// Parses a proof. Both parts or neither must be present.
+/// Parses an optional proof. Certificate and signature must both be present or both be missing.
 fn take_proof(rest: &mut &[u8]) -> Option<Option<Proof>> {
     let [certificate, signature] = [take_part(rest)?, take_part(rest)?].map(<[u8]>::to_vec);
     match (certificate.is_empty(), signature.is_empty()) {

@@ -11,7 +11,7 @@ pub const HAND_ENDPOINT: &str = "tcp/127.0.0.1:7447";
 pub struct LinkConfig {
     /// Name of the rig. Messages of other rigs are not received.
     pub rig: String,
-    /// `true` for the hand, which listens and forwards the messages of all other programs.
+    /// `true` for the hand, which listens and forwards the messages of the other programs.
     pub is_hand: bool,
     /// Endpoints on which the hand listens, e.g. `tls/0.0.0.0:7447`.
     pub listen: Vec<String>,
@@ -19,7 +19,7 @@ pub struct LinkConfig {
     pub connect: Vec<String>,
     /// Folder with `ca.pem`, `cert.pem` and `key.pem`, for TLS endpoints.
     pub certificates: Option<PathBuf>,
-    /// Allows listening on a network interface without certificates.
+    /// `true` to allow listening on a network interface without certificates.
     pub insecure: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Disables the linger of the link's sockets, so that they close at once even if the peer has unread data.
+//! Disables the linger option of the link's sockets, so that they close at once even if the peer has unread data.
 //!
 //! Zenoh sets a linger of ten seconds on each of its TCP sockets and has no setting for it. Closing a socket to a
 //! frozen program would block for ten seconds, on the thread that serves all other sockets.
@@ -7,7 +7,7 @@ use serde::Deserialize;
 use std::io;
 use std::net::SocketAddr;
 
-/// Zenoh's description of a link, with locators such as `tcp/127.0.0.1:7447`.
+/// Zenoh's description of a link, with the locators of both ends, such as `tcp/127.0.0.1:7447`.
 #[derive(Deserialize)]
 struct LinkDescription {
     src: String,
@@ -84,7 +84,7 @@ fn is_of(descriptor: &std::os::fd::OwnedFd, connection: Connection) -> bool {
         && peer.is_some_and(|peer| same(peer, connection.peer))
 }
 
-/// Does nothing, because only Linux lets a process find the socket.
+/// Does nothing, because a process can find the socket only on Linux.
 #[cfg(not(target_os = "linux"))]
 pub fn clear(_: Connection) -> io::Result<()> {
     Ok(())

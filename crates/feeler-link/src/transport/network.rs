@@ -73,7 +73,7 @@ pub struct ImpairedNetwork {
 }
 
 impl ImpairedNetwork {
-    /// Creates an impaired view of `network`.
+    /// Creates a view of `network` with this impairment.
     pub fn new(network: Arc<dyn Network>, rehearsal: Impairment) -> Self {
         let random = Pcg64::seed_from_u64(rehearsal.seed);
         Self {
@@ -108,7 +108,7 @@ impl Network for ImpairedNetwork {
 }
 
 impl Impairment {
-    /// Forwards the surviving copies of a message to `sender`.
+    /// Forwards to `sender` the copies of a message that are not lost.
     fn strike(&self, random: &mut Pcg64, bytes: &[u8], sender: &Sender<Delayed>) {
         let copies = 1 + usize::from(random.random::<f64>() < self.duplicate);
         for _ in 0..copies {

@@ -36,7 +36,7 @@ pub fn send<M: Message>(outlet: &dyn Outlet, topic: Topic, message: &M) -> Resul
 /// Encodes `message` as CDR.
 ///
 /// # Errors
-/// If encoding fails, which none of feeler's messages causes.
+/// If encoding fails, which does not occur with feeler's messages.
 pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, LinkError> {
     let mut bytes = Vec::new();
     cdr::encode(message, &mut bytes).map_err(|e| LinkError::Transport(e.to_string()))?;

@@ -12,8 +12,8 @@ pub struct Shared<T>(Arc<Inner<T>>);
 struct Inner<T> {
     value: Mutex<T>,
     change: Condvar,
-    /// Number of threads waiting for a change. Skips the system call of a notification if it is 0, which is usual for a
-    /// hand with a fixed period.
+    /// Number of threads waiting for a change. It is usually 0 for a hand with a fixed period; a notification then
+    /// skips the system call.
     waiting: AtomicUsize,
 }
 

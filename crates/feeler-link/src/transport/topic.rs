@@ -18,7 +18,7 @@ pub enum Topic {
     Command,
     /// [`crate::messages::message::StateMessage`].
     State,
-    /// [`crate::messages::message::Heartbeat`] of the program at this place.
+    /// [`crate::messages::message::Heartbeat`] of the program with this role.
     Heartbeat(Place),
     /// [`crate::messages::message::StopMessage`].
     Stop,
@@ -40,7 +40,7 @@ pub enum Place {
 }
 
 impl Place {
-    /// Returns all places.
+    /// Returns all roles.
     pub fn all() -> impl Iterator<Item = Self> {
         let others = [Self::Hand, Self::World, Self::Order];
         others.into_iter().chain((0..MAX_FINGERS).map(Self::Sense))
@@ -59,7 +59,7 @@ impl fmt::Display for Place {
 }
 
 impl Topic {
-    /// Returns every topic of a rig whose only finger is `finger`.
+    /// Returns all topics of a rig whose only finger is `finger`.
     pub fn all(finger: usize) -> [Self; 12] {
         [
             Self::Tactile(finger),
@@ -82,7 +82,7 @@ impl Topic {
         format!("feeler/{rig}/{self}")
     }
 
-    /// Returns the heartbeat topics of all places.
+    /// Returns the heartbeat topics of all roles.
     pub fn heartbeats() -> impl Iterator<Item = Self> {
         Place::all().map(Self::Heartbeat)
     }

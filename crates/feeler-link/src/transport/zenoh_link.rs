@@ -155,7 +155,8 @@ impl Open {
 }
 
 impl Outlet for Link {
-    /// Never blocks: drops messages that the network cannot take, because newer data replaces them.
+    /// Sends a message without blocking: drops a message that the network cannot accept, because newer data replaces
+    /// it.
     fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
         let mut state = self.lock();
         let open = match &mut *state {
@@ -187,7 +188,7 @@ impl Network for Link {
     }
 }
 
-/// Clears the linger option of the socket of a link described by Zenoh. Does nothing if the link is gone.
+/// Clears the linger option of the socket of a link described by Zenoh. Does nothing if the link no longer exists.
 fn clear_linger(link: &[u8]) {
     if let Some(connection) = Connection::of_link(link) {
         // If the system forbids it, closing a frozen peer takes ten seconds; all else works.

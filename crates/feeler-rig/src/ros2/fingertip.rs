@@ -91,7 +91,7 @@ impl Fingertip {
         Ok(())
     }
 
-    /// Warns when trouble starts.
+    /// Prints a warning when a problem starts.
     fn tell(&mut self, trouble: String) {
         if self.trouble.is_empty() {
             let finger = self.finger;

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 /// Environment variable of the domain.
 const DOMAIN_VARIABLE: &str = "ROS_DOMAIN_ID";
 
-/// Reason why parameters cannot be set.
+/// Reason given when setting a parameter is rejected.
 const FIXED: &str = "read-only: an experiment's values are checked together when its programs start; restart them with --set";
 
 /// Time without any peer after which a warning is printed.
@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// Default name of a hand's node.
 pub const NODE_NAME: &str = "feeler";
 
-/// Returns the domain given by the environment.
+/// Returns the ROS domain given by the environment, by default 0.
 pub fn domain_of_environment() -> Result<u32, CommandError> {
     match std::env::var(DOMAIN_VARIABLE) {
         Ok(text) if !text.is_empty() => text.parse().map_err(|_| {
@@ -29,14 +29,14 @@ pub fn domain_of_environment() -> Result<u32, CommandError> {
     }
 }
 
-/// Connection and name of a node in its graph.
+/// Connection and name of a ROS 2 node.
 #[derive(Debug, Clone, Default)]
 pub struct GraphOptions {
     /// Endpoints of the router or of other nodes; if empty, the default router of this computer.
     pub connect: Vec<String>,
     /// Endpoints to listen on; if empty, any free port of this computer.
     pub listen: Vec<String>,
-    /// Domain of the graph, 0 to 232; if `None`, the environment variable `ROS_DOMAIN_ID`, else 0.
+    /// ROS domain, 0 to 232; if `None`, the environment variable `ROS_DOMAIN_ID`, else 0.
     pub domain: Option<u32>,
     /// Namespace of the node and its topics, such as `/left`.
     pub namespace: String,
@@ -59,8 +59,8 @@ pub fn config(options: &GraphOptions, name: &str) -> Result<NodeConfig, CommandE
     })
 }
 
-/// Rejects a router at the endpoint of the rig's hand, one of `hands`. Both use the same default port, and connecting
-/// to the wrong one yields no data.
+/// Rejects a ROS 2 router at one of `hands`, the endpoints of the rig's hand. Both have the same default port, and
+/// connecting to the wrong one yields no data.
 pub fn check_ports(graph: &NodeConfig, hands: &[String]) -> Result<(), CommandError> {
     let place = |endpoint: &str| {
         let (protocol, address) = endpoint.split_once('/')?;
@@ -131,7 +131,7 @@ impl PeerWatch {
     }
 }
 
-/// Serves all values of control and task, including law and thresholds, as parameters.
+/// Serves all values of the experiment's tables for control and task, including law and thresholds, as parameters.
 pub fn serve_settings(
     node: &mut Node,
     experiment: &Experiment,

@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Interval between diagnostics, in the recording's time (s).
 const DIAGNOSTICS_INTERVAL: f64 = 1.0;
 
-/// Publishes the recording at `path`, at `speed` times its real time, until it ends or until Ctrl-C.
+/// Publishes the recording at `path`, at `speed` times real time, until it ends or until Ctrl-C.
 ///
 /// # Errors
 /// If the recording cannot be read, the speed is not positive, or the node cannot be opened.
@@ -70,7 +70,7 @@ pub fn publish_recording(
     })
 }
 
-/// Conversion from the recording's time to the graph's.
+/// Conversion from the recording's time to ROS time.
 struct Times {
     /// Time of the recording's first step (s).
     first: f64,
@@ -102,12 +102,12 @@ struct Replay {
     seen: Vec<Option<u64>>,
     /// Reused buffer.
     forces: Vec<DVec3>,
-    /// Time of the latest diagnostics (s).
+    /// Time of the latest diagnostics, in the recording's time (s).
     told: f64,
 }
 
 impl Replay {
-    /// Publishes all steps on time; returns `false` if interrupted.
+    /// Publishes each step when it is due; returns `false` if interrupted.
     fn play(&mut self, recording: &Recording, interrupted: &AtomicBool) -> Result<bool, NodeError> {
         let began = Instant::now();
         for (number, step) in Steps::new(recording).enumerate() {

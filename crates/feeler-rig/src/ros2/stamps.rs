@@ -1,24 +1,25 @@
-//! Conversion from a run's time to the graph's.
+//! Conversion from a run's time to ROS time.
 
 use feeler_record::ros::Time;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Delay (s) above the smallest one so far from which a clock is assumed to run slower or to have paused.
+/// Maximum delay (s) relative to the smallest one so far. Beyond it, the clock is assumed to run slower or to have
+/// paused.
 const LONGEST_BEHIND: f64 = 0.1;
 
 /// Maximum number of clocks in a rig, one per program. Beyond, the oldest is dropped.
 const MAX_CLOCKS: usize = 16;
 
-/// Converter of a run's stamps to the graph's.
+/// Converter of a run's stamps to ROS time.
 pub enum Stamps {
-    /// Use the run's time.
+    /// ROS time is the run's time.
     OfTheRun,
-    /// Use the time of day. Contains, for each clock's id, the offset to add to its stamps (s).
+    /// ROS time is the time of day. Contains each clock's id and the offset to add to its stamps (s).
     OfTheDay(Vec<(u64, f64)>),
 }
 
 impl Stamps {
-    /// Creates a converter to the run's time or to the time of day.
+    /// Creates a converter to the run's time if `of_the_run`, otherwise to the time of day.
     pub fn new(of_the_run: bool) -> Self {
         match of_the_run {
             true => Self::OfTheRun,

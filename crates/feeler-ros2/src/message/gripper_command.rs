@@ -22,7 +22,7 @@ pub struct SendGripperGoalRequest {
 pub struct SendGripperGoalResponse {
     /// `true` if the server accepted the goal.
     pub accepted: bool,
-    /// Time at which it decided.
+    /// Time of the decision.
     pub stamp: Time,
 }
 

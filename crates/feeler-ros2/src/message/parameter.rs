@@ -16,23 +16,23 @@ pub struct Parameter {
 pub struct ParameterValue {
     /// Type of the value, or 0 if the parameter is not set.
     pub r#type: u8,
-    /// Value of type 1.
+    /// Value if the type is [`BOOL`](Self::BOOL).
     pub bool_value: bool,
-    /// Value of type 2.
+    /// Value if the type is [`INTEGER`](Self::INTEGER).
     pub integer_value: i64,
-    /// Value of type 3.
+    /// Value if the type is [`DOUBLE`](Self::DOUBLE).
     pub double_value: f64,
-    /// Value of type 4.
+    /// Value if the type is [`STRING`](Self::STRING).
     pub string_value: String,
-    /// Value of type 5.
+    /// Value if the type is 5.
     pub byte_array_value: Vec<u8>,
-    /// Value of type 6.
+    /// Value if the type is 6.
     pub bool_array_value: Vec<bool>,
-    /// Value of type 7.
+    /// Value if the type is 7.
     pub integer_array_value: Vec<i64>,
-    /// Value of type 8.
+    /// Value if the type is [`DOUBLE_ARRAY`](Self::DOUBLE_ARRAY).
     pub double_array_value: Vec<f64>,
-    /// Value of type 9.
+    /// Value if the type is [`STRING_ARRAY`](Self::STRING_ARRAY).
     pub string_array_value: Vec<String>,
 }
 
@@ -99,6 +99,6 @@ pub struct IntegerRange {
 pub struct SetParametersResult {
     /// `true` if the parameter was set.
     pub successful: bool,
-    /// Reason if the parameter was not set.
+    /// Reason why the parameter was not set; empty if it was set.
     pub reason: String,
 }

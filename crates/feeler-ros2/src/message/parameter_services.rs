@@ -22,7 +22,7 @@ pub struct ListParametersRequest {
     pub depth: u64,
 }
 
-/// Request that names parameters. `KIND` distinguishes the request types of the services with this structure.
+/// Request with names of parameters. `KIND` distinguishes the request types of the services with this structure.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamesRequest<const KIND: u8> {
     /// Names of the parameters.
@@ -60,7 +60,7 @@ pub enum GetParameters {}
 /// Response of [`GetParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetParametersResponse {
-    /// Value for each name; of type 0 if the parameter does not exist.
+    /// Value for each name; its type is 0 if the parameter does not exist.
     pub values: Vec<ParameterValue>,
 }
 

@@ -16,11 +16,11 @@ pub struct TactileState {
     pub header: Header,
     /// Sequence number of the image.
     pub sequence: u64,
-    /// TOUCH: an element's F_z is above F1, or SLIP.
+    /// TOUCH: the compression of an element is above the threshold F1, or SLIP.
     pub touch: bool,
-    /// SLIP: an element's shear rate is above dr.
+    /// SLIP: the shear rate of an element is above the threshold dr.
     pub slip: bool,
-    /// OVER: an element's F_z is above F2.
+    /// OVER: the compression of an element is above the threshold F2.
     pub over: bool,
     /// Touching element with the largest F_z, or [`NO_ELEMENT`](feeler_record::NO_ELEMENT).
     pub largest_element: u32,
@@ -45,9 +45,9 @@ ros_message!(
 );
 
 impl TactileState {
-    /// Converts an array to a tactile state. TOUCH, SLIP and OVER follow from the contact of the elements, and shear rates
-    /// are 0 without a channel of them. Geometry, sensor, rate, thresholds, variances and saturation are lost; invalid
-    /// forces become NaN.
+    /// Converts an array to a tactile state. TOUCH, SLIP and OVER follow from the contact of the elements, and shear
+    /// rates are 0 if the array contains none. Geometry, sensor, rate, thresholds, variances and saturation are lost;
+    /// invalid forces become NaN.
     ///
     /// # Errors
     /// If the array is invalid or has no forces in newtons.
@@ -75,8 +75,8 @@ impl TactileState {
         })
     }
 
-    /// Converts a tactile state to an array. What it does not contain (geometry, rate, thresholds) is taken from
-    /// `sensor`, such as [`of_finger`](feeler_record::tactile_array::of_finger).
+    /// Converts a tactile state to an array. Its geometry, rate and thresholds are those of `sensor`, such as
+    /// [`of_finger`](feeler_record::tactile_array::of_finger).
     ///
     /// # Errors
     /// If the number of elements differs from that of `sensor`.

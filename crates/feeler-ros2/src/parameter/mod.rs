@@ -78,7 +78,7 @@ impl Parameters {
         }
     }
 
-    /// Sets the description of each parameter to `meaning(name)`, or to an empty one if that is `None`.
+    /// Sets the description of each parameter to `meaning(name)`; empty if that is `None`.
     pub fn describe_by(&mut self, meaning: impl Fn(&str) -> Option<Meaning>) {
         for one in &mut self.all {
             one.meaning = meaning(&one.parameter.name).unwrap_or_default();
@@ -187,7 +187,7 @@ impl Parameters {
         descriptor
     }
 
-    /// Rejects a request to set parameters, and gives the reason for each.
+    /// Rejects a request to set parameters, with the reason for each parameter.
     pub fn set(&self, wanted: &[Parameter]) -> SetParametersResponse {
         SetParametersResponse {
             results: wanted

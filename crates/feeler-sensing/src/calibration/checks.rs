@@ -72,7 +72,7 @@ fn advice(error: &LoadsFileError, axes: ForceAxes) -> String {
     format!(" (if the table was measured in these axes, use {option}{instead} to convert it)")
 }
 
-/// Returns advice that names the option to accept rejected loads.
+/// Returns the advice on which option accepts the rejected loads.
 fn keeping(error: &LoadsFileError) -> String {
     let what = error.to_string();
     let separator = if what.ends_with('?') { "" } else { ";" };

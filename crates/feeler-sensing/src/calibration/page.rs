@@ -73,7 +73,7 @@ fn drawn(calibration: &Calibration) -> Vec<usize> {
     drawn
 }
 
-/// Returns the loads, curves and residuals of one element, with lengths multiplied by `scale`.
+/// Returns the loads, curves and residuals of one element. Lengths are multiplied by `scale`.
 fn element_loads(element: &ElementCalibration, record: &ElementRecord, scale: f64) -> ElementLoads {
     let mut loads = ElementLoads::default();
     let samples = match &record.held_out {

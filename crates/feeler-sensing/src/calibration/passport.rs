@@ -20,7 +20,7 @@ fn date_today() -> Date {
 /// Checks that the last verification of `calibration` found it valid, at most `days` days ago.
 ///
 /// # Errors
-/// If it was never verified, was not valid, or was verified longer ago or in the future.
+/// If it was never verified, was not valid, or was verified earlier or in the future.
 pub fn require_verified<B: Basis>(
     calibration: &CalibrationOf<B>,
     days: u32,

@@ -22,8 +22,8 @@ pub struct TaxelRecordings {
     pub troubles: Vec<String>,
 }
 
-/// Reads the taxel tables listed in `forces`, and joins their rows with the measured wrenches. Calls `read` after each
-/// table.
+/// Reads the taxel tables listed in `forces`, and interpolates the measured wrenches at the times of their rows. Calls
+/// `read` after each table.
 ///
 /// # Errors
 /// If a table cannot be read, or if no wrench was measured between its first and last row.
@@ -56,7 +56,7 @@ pub fn read_taxel_recordings(
     })
 }
 
-/// Reads the rows of the table at `path`, during which wrenches were `measured`.
+/// Reads the rows of the table at `path`, and the wrenches `measured` during them.
 fn read_series(
     path: &Path,
     layout: &TaxelLayout,
@@ -93,7 +93,7 @@ fn read_series(
     Ok(series)
 }
 
-/// Rejects a recording whose clock starts again, or during which no wrench was measured, as with clocks that differ.
+/// Rejects a recording whose time jumps back, or during which no wrench was measured, e.g. because the clocks differ.
 fn check_times(path: &Path, series: &TaxelSeries) -> Result<(), CommandError> {
     if let Some(back) = series
         .stamps

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub struct VerifyOptions<'a> {
     /// Wrench calibration.
     pub calibration: PathBuf,
-    /// Table of measured forces, or the folder for live presses.
+    /// Table of measured forces, or the folder for presses of a guided session.
     pub presses: PathBuf,
     /// Camera, force sensor and number of presses of a guided session; `None` to read `presses`.
     pub live: Option<(GuideOptions<'a>, u32)>,
@@ -29,9 +29,9 @@ pub struct VerifyOptions<'a> {
     pub taxels: TaxelOptions,
     /// Located layout of a camera's sensor, in place of an experiment's fingertip.
     pub layout: Option<PathBuf>,
-    /// Experiment whose fingertip it is: a file or a built-in name.
+    /// Experiment that defines the fingertip: a file or a built-in name.
     pub experiment: String,
-    /// Finger of the experiment.
+    /// Index of the finger in the experiment.
     pub finger: Option<usize>,
     /// Maximum probability of rejecting a valid calibration if presses are independent.
     pub false_alarm_rate: f64,

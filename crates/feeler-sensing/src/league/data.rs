@@ -1,9 +1,9 @@
-//! Data of a set, ready for entries, and its splits.
+//! Contents of a data set in a common form, and its split into training and test data.
 
 use super::definition::Split;
 use std::ops::Range;
 
-/// Data of a set.
+/// Contents of a data set.
 #[derive(Debug)]
 pub struct SetData {
     /// Names of the values of one element, such as x, y and z.
@@ -34,11 +34,11 @@ pub struct Recording {
     pub times: Vec<f64>,
     /// Values of all elements in each row; NaN if unknown.
     pub rows: Vec<Vec<f64>>,
-    /// The truth.
+    /// Labels or measured values.
     pub truth: Truth,
 }
 
-/// Truth of a recording.
+/// Labels or measured values of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Truth {
     /// Slip in the whole recording.
@@ -78,12 +78,12 @@ pub struct Fold {
     pub test: Vec<Piece>,
 }
 
-/// Fold in which group `group` is tested.
+/// Returns the fold in which group `group` is tested.
 pub fn fold_of_group(group: usize, folds: usize, groups: usize) -> usize {
     group % folds.min(groups).max(1)
 }
 
-/// Splits recordings of these groups and lengths.
+/// Splits recordings, given by group and number of rows, into folds.
 pub fn split(split: Split, recordings: &[(usize, usize)], groups: usize) -> Vec<Fold> {
     let whole = |recording: usize| Piece {
         recording,

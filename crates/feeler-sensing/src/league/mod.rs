@@ -1,4 +1,4 @@
-//! `feeler league`: scores detectors, calibrations, baselines and programs on published sets.
+//! `feeler league`: scores detectors, calibrations, baselines and programs on published data sets.
 
 mod data;
 mod definition;
@@ -22,11 +22,11 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
 
-/// Scores all entries on all sets in a folder.
+/// Scores all entries on all data sets in a folder.
 ///
 /// # Errors
-/// If a definition is invalid, no set is found, or an output cannot be written. Entries and sets that fail are marked in
-/// the results, and the outcome is [`Outcome::GivenUp`].
+/// If a definition is invalid, no data set is found, or an output cannot be written. Entries and data sets that fail
+/// are marked in the results, and the outcome is [`Outcome::GivenUp`].
 pub fn league(options: &LeagueOptions, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let programs = programs(options)?;
     let (found, missing) = chosen_sets(options)?;
@@ -73,10 +73,10 @@ pub fn league(options: &LeagueOptions, out: &mut dyn Write) -> Result<Outcome, C
     })
 }
 
-/// Sets that are used and found, and names of those that are not found.
+/// Returns the data sets to use that were found, and the names of those that were not found.
 ///
 /// # Errors
-/// If a name is unknown, or no set is found.
+/// If a name is unknown, or no data set is found.
 fn chosen_sets(options: &LeagueOptions) -> Result<(Vec<FoundSet>, Vec<String>), CommandError> {
     let mut sets = find_sets(&options.data)?;
     let known: Vec<_> = sets.iter().map(|set| &*set.definition.name).collect();
@@ -102,7 +102,7 @@ fn chosen_sets(options: &LeagueOptions) -> Result<(Vec<FoundSet>, Vec<String>), 
     Ok((found, missing.collect()))
 }
 
-/// Programs as entries.
+/// Returns the user's programs as entries.
 ///
 /// # Errors
 /// If a name is that of another entry.

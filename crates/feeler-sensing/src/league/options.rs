@@ -3,16 +3,16 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Sets and entries of a league.
+/// Data sets and entries of a league.
 #[derive(Debug, Clone)]
 pub struct LeagueOptions {
-    /// Folder with the sets.
+    /// Folder with the data sets.
     pub data: PathBuf,
-    /// Names of the sets to use; all if empty.
+    /// Names of the data sets to use; all if empty.
     pub sets: Vec<String>,
     /// Name and command of each program to score.
     pub programs: Vec<(String, String)>,
-    /// Time limit of a program for each set.
+    /// Time limit of a program for each data set.
     pub limit: Duration,
     /// Folder of the results.
     pub out: PathBuf,

@@ -11,7 +11,7 @@ const METRIC: usize = 18;
 const ENTRY: usize = 30;
 const VALUE: usize = 28;
 
-/// Numbers of recordings, groups, rows and slips.
+/// Describes the numbers of recordings, groups, rows and slips.
 pub fn content(set: &SetData) -> String {
     let rows: usize = set
         .recordings
@@ -88,7 +88,7 @@ fn say_metric(set: &LeagueSet, index: usize, out: &mut dyn Write) -> std::io::Re
     Ok(())
 }
 
-/// The results as a table: one row per set, metric and entry.
+/// Formats the results as a table: one row per data set, metric and entry.
 pub fn csv(page: &LeaguePage) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     // Writing to memory cannot fail.
@@ -138,7 +138,7 @@ pub fn csv(page: &LeaguePage) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The results as JSON.
+/// Formats the results as JSON.
 pub fn json(page: &LeaguePage, page_path: &Path, table_path: &Path) -> Value {
     json!({
         "page": page_path, "table": table_path, "version": page.version, "sets": page.sets, "missing": page.missing,

@@ -1,4 +1,4 @@
-//! Scores all entries on one set.
+//! Scores all entries on one data set.
 
 use super::LeagueOptions;
 use super::data::{Fold, SetData, split};
@@ -13,7 +13,7 @@ use feeler_console::Steps;
 use feeler_report::pages::{LeagueRow, LeagueSet, PublishedFigure};
 use std::path::Path;
 
-/// Scores all entries on a set. Advances `bar` after reading the set, and after each entry.
+/// Scores all entries on a data set. Advances `bar` after reading the data, and after each entry.
 pub fn score(
     found: &FoundSet,
     programs: &[Entry],
@@ -37,7 +37,7 @@ pub fn score(
     scored
 }
 
-/// The set without results.
+/// Describes a data set, without results.
 fn described(definition: &Definition) -> LeagueSet {
     let published = definition
         .published
@@ -58,7 +58,7 @@ fn described(definition: &Definition) -> LeagueSet {
     }
 }
 
-/// Reads and splits a set, and describes both in `scored`.
+/// Reads and splits a data set, and describes both in `scored`.
 ///
 /// # Errors
 /// If a file cannot be read, or the data are too few to split.

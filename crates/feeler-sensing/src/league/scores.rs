@@ -9,13 +9,13 @@ use std::collections::{BTreeMap, HashMap};
 
 /// Minimum number of tested groups that are resampled as a whole; otherwise contiguous parts of recordings are.
 const MIN_GROUPS: usize = 5;
-/// Number of parts of all tested recordings together, if parts are resampled.
+/// Number of parts into which all tested recordings are divided, if parts are resampled.
 const PARTS: usize = 20;
 
 /// Lower end, estimate and upper end of a metric; `None` if undetermined.
 pub type Metric = Option<[f64; 3]>;
 
-/// Names of the metrics of a set, with their units.
+/// Returns the names of the metrics of a data set, with their units.
 pub fn metric_names(definition: &Definition) -> Vec<(String, String)> {
     match (&definition.slip, &definition.values) {
         (Some(slip), _) => {
@@ -63,7 +63,7 @@ pub fn metrics(
     }
 }
 
-/// Accuracy and area under the ROC curve.
+/// Computes the accuracy and the area under the ROC curve.
 fn slip_metrics(split: Split, set: &SetData, folds: &[Fold], answers: &Answers) -> [Metric; 2] {
     let (scores, is_probability) = match answers {
         Answers::Scores(scores) => (scores.clone(), false),
@@ -88,7 +88,7 @@ fn slip_metrics(split: Split, set: &SetData, folds: &[Fold], answers: &Answers) 
     [ends(outcome.accuracy), ends(outcome.auc)]
 }
 
-/// Answers of a program for each labelled recording or row.
+/// Returns the answer of a program for each labelled recording or row.
 fn answered(set: &SetData, folds: &[Fold], rows: &[Predictions]) -> Vec<Option<f64>> {
     let mut by_recording: HashMap<usize, &Vec<Vec<f64>>> = HashMap::new();
     for (fold, predictions) in folds.iter().zip(rows) {
@@ -103,11 +103,11 @@ fn answered(set: &SetData, folds: &[Fold], rows: &[Predictions]) -> Vec<Option<f
     set.slips.iter().map(score).collect()
 }
 
-/// Errors of one target in some rows: sum and number.
+/// Sum of the errors of one target, and their number.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sum(f64, f64);
 
-/// Error of each target.
+/// Computes the error of each target.
 fn errors(
     metric: ErrorMetric,
     targets: usize,

@@ -1,11 +1,11 @@
-//! Finds definitions of sets: built-in ones, and files next to the data.
+//! Finds the definitions of data sets: built-in ones, and files next to the data.
 
 use super::definition::Definition;
 use feeler_console::CommandError;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// End of the name of a definition file.
+/// Ending of a definition's file name.
 pub const ENDING: &str = ".league.toml";
 
 /// Built-in definitions.
@@ -59,7 +59,7 @@ pub fn find_sets(data: &Path) -> Result<Vec<FoundSet>, CommandError> {
     Ok(sets)
 }
 
-/// Definition files in `data` and its subfolders, sorted.
+/// Returns the definition files in `data` and its subfolders, sorted.
 fn definition_files(data: &Path) -> Result<Vec<PathBuf>, CommandError> {
     let (mut files, folders) = entries(data)?;
     for folder in folders {
@@ -71,7 +71,7 @@ fn definition_files(data: &Path) -> Result<Vec<PathBuf>, CommandError> {
     Ok(files)
 }
 
-/// Files and folders in a folder, sorted.
+/// Returns the files and folders in a folder, sorted.
 fn entries(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>), CommandError> {
     let refused = |e| format!("{}: {e}; expected a folder of data", folder.display());
     let found = fs::read_dir(folder).map_err(refused)?;

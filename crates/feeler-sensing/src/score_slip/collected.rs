@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Reader of all supported kinds of recordings.
 struct Reader {
     taxels: Option<TaxelTables>,
-    /// `true` if tables may contain tracks even though taxels are given.
+    /// `true` if a table may contain tracks even if a taxel layout is given.
     either: bool,
     tracks: TrackTables,
     /// Reader of videos, if there are any.
@@ -60,7 +60,7 @@ impl Reader {
         }
     }
 
-    /// Returns `true` if a recording is of taxels.
+    /// Returns `true` if a recording contains taxels.
     fn is_of_taxels(&self, source: &Source) -> bool {
         let is_table = source.kind() == Kind::Table && self.taxels.is_some();
         is_table && !(self.either && source.tables.iter().all(|table| is_tracks(table)))
@@ -73,7 +73,7 @@ impl Reader {
     }
 }
 
-/// Recordings and labels that have been found but not yet read.
+/// Recordings and labels that have been found but not read yet.
 pub struct Found<'a> {
     path: &'a Path,
     sources: Vec<Source>,
@@ -99,8 +99,8 @@ impl<'a> Found<'a> {
         Self::find(path, labels, (options, false), notes)
     }
 
-    /// Finds other recordings at `path`: tables of tracks and videos with default options, or tables of the same taxels
-    /// as the recordings to be scored.
+    /// Finds other recordings at `path`: tables of tracks and videos, read with default options, or tables of the same
+    /// taxel layout as the recordings to be scored.
     ///
     /// # Errors
     /// If there are no recordings, or the labels cannot be read.
@@ -218,9 +218,9 @@ pub struct Collected {
     pub groups: BTreeMap<String, usize>,
     /// Noise of each recording, in the unit of its vectors.
     noise: Vec<f64>,
-    /// Images and scores of the recordings over time.
+    /// Scores and images of the recordings over time.
     sequences: Vec<Sequence>,
-    /// `true` if all loads are in spacings of a pattern, `false` if any is in a sensor's unit.
+    /// `true` if all loads are in spacings of the markers' pattern, `false` if any is in a sensor's unit.
     pub in_spacings: bool,
     /// `true` if all recordings are of taxels.
     pub of_taxels: bool,
@@ -335,20 +335,20 @@ impl Collected {
         Ok(())
     }
 
-    /// Compares the images of the recordings with each other and with those of `others`.
+    /// Computes image loss: compares the images of the recordings with each other and with those of `others`.
     pub fn score_images(&mut self, others: Option<&Self>) {
         let others = others.map_or(&[][..], |others| &others.sequences);
         score_images(&mut self.sequences, others, &mut self.scored);
     }
 
-    /// Divides the drag scores by the median noise of all recordings, which are assumed to be of the same sensor.
+    /// Divides the drag scores by the median noise of all recordings, which are assumed to come from the same sensor.
     pub fn normalize(&mut self) {
         self.noise.sort_by(f64::total_cmp);
         let noise = self.noise.get(self.noise.len() / 2).copied();
         self.divide_drag(|_| noise);
     }
 
-    /// Like [`normalize`](Self::normalize), but divides by the noise of each recording, which may be of different
+    /// Like [`normalize`](Self::normalize), but divides by the noise of each recording, which may come from different
     /// sensors.
     pub fn normalize_each(&mut self) {
         self.divide_drag(|scored| scored.own_noise);

@@ -1,4 +1,4 @@
-//! Untouched images of gels, found among the images of all recordings.
+//! Recognizes images of an untouched gel by comparing the images of all recordings.
 //!
 //! Different grasps press different shapes into a gel, but all of them leave the same untouched image. An image is
 //! therefore compared with those of all other groups of recordings: the distance to the nearest of them is small if the
@@ -9,16 +9,17 @@ use feeler::control::grasp_slip::{CoarseImage, ImageLoss};
 use feeler_lab::grasps::{DETECTORS, Detector, SlipEvent};
 use std::ops::Range;
 
-/// Interval between two images of a recording that others are compared with (s).
+/// Interval between the images of a recording with which others are compared (s).
 const INTERVAL: f64 = 0.48;
-/// Duration at the start that is left out (s): cameras may deliver images of the previous recording first.
+/// Duration at the start of a recording that is ignored (s), because cameras may deliver images of the previous
+/// recording first.
 const LEFT_OUT: f64 = 0.24;
 
 /// Images and scores of a recording over time.
 pub struct Sequence {
     /// Group of the recording.
     pub group: usize,
-    /// Its entries in the list of [`Scored`].
+    /// Range of the recording in the list of [`Scored`].
     pub scored: Range<usize>,
     /// Times of its frames (s).
     pub stamps: Vec<f64>,
@@ -31,7 +32,7 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Times (s) and images without the first ones, which may be of the previous recording.
+    /// Returns the times (s) and images, without the first ones, which may belong to the previous recording.
     pub fn valid(&self) -> impl Iterator<Item = (f64, &CoarseImage)> {
         let start = self.stamps.first().copied().unwrap_or(0.0);
         let images = self.stamps.iter().copied().zip(&self.images);
@@ -73,7 +74,8 @@ pub fn score_images(recordings: &mut [Sequence], more: &[Sequence], scored: &mut
     }
 }
 
-/// Scores of the images of one recording.
+/// Computes the image-loss score of each image in `own`. Images are compared with those of other groups in `all` and
+/// with those of `more`.
 fn image_losses(own: &Sequence, all: &[Sequence], more: &[Sequence]) -> Vec<Option<f64>> {
     let others = all.iter().filter(|other| other.group != own.group);
     let others: Vec<_> = others.chain(more).flat_map(Sequence::sparse).collect();
@@ -87,8 +89,8 @@ fn image_losses(own: &Sequence, all: &[Sequence], more: &[Sequence]) -> Vec<Opti
     scores
 }
 
-/// Distance to the nearest of `others`. The search starts with the one at index `last`, which is then set to the
-/// nearest.
+/// Returns the distance to the nearest of `others`. The search starts with the one at index `last`, which is then set
+/// to the nearest.
 fn nearest(image: &CoarseImage, others: &[&CoarseImage], last: &mut usize) -> Option<f64> {
     let mut least = image.distance(others.get(*last)?);
     for (index, other) in others.iter().enumerate() {

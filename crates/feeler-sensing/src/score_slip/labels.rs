@@ -36,7 +36,7 @@ pub struct Labels {
 }
 
 impl Labels {
-    /// Reads a table of labels. Recordings are grouped by the column `group`; without it, each is a group.
+    /// Reads a table of labels. Recordings are grouped by the column `group`; if `None`, each recording is a group.
     ///
     /// # Errors
     /// If the table cannot be read, or a column is missing.
@@ -118,7 +118,7 @@ impl Labels {
         self.recordings.get(*name).cloned()
     }
 
-    /// Names in the table that match no recording.
+    /// Returns the names in the table that match no recording.
     pub fn unused(&self) -> Vec<&str> {
         let names = self
             .recordings

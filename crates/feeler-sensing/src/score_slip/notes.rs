@@ -1,4 +1,4 @@
-//! Collects notes about irregular data. Of each kind, the first few are printed, and the rest is counted.
+//! Collects notes about irregular data. The first few of each kind are printed, and the others are counted.
 
 use feeler_console::warn;
 

@@ -1,10 +1,10 @@
-//! Onset of slips from labels of frames, or onset and loss from images.
+//! Onset of slips from labels of frames; onset and loss of the object from images.
 
 use feeler::control::grasp_slip::CoarseImage;
 use feeler_lab::grasps::SlipEvent;
 use std::collections::BTreeMap;
 
-/// Duration of the final state, and minimum duration of contact before the loss (s).
+/// Minimum duration of the state after the loss, and of contact before it (s).
 const STATE: f64 = 0.5;
 /// Interval over which motion is measured (s).
 const INTERVAL: f64 = 0.2;
@@ -13,7 +13,7 @@ const SAME: f64 = 1.0;
 
 /// Determines the slip in the images of a grasp whose object is lost in the end. Times are in s.
 ///
-/// With d(t) the distance of an image from the final one, and c(t) that from the newest image at least 0.2 s older:
+/// With d(t) the distance of an image from the final one, and c(t) that from the latest image at least 0.2 s older:
 ///
 /// - The object is **gone** at the first image from which on d stays at or below the larger of 1 gray level and three times
 ///   the maximum of d in the last 0.5 s. There must be at least 0.5 s of images before and after, and contact (d above

@@ -28,25 +28,25 @@ pub struct SlipScoreOptions {
 /// Labelled recordings to score.
 #[derive(Debug, Clone, Default)]
 pub struct RecordedOptions {
-    /// Layout of a taxel array (a file or a built-in name), if the tables are of one.
+    /// Layout of a taxel array (a file or a built-in name), if the tables contain taxels.
     pub taxels: Option<String>,
-    /// Prefixes of the columns of each array in a table of several.
+    /// Column prefix of each array, if a table contains several.
     pub prefixes: Vec<String>,
-    /// Column whose value changes where another recording begins.
+    /// Column whose value changes where the next recording begins.
     pub sequence: Option<String>,
     /// Names of the tables in each recording's folder.
     pub tables: Vec<String>,
-    /// Layout of all recordings that have none beside them.
+    /// Layout of all recordings that have no layout next to them.
     pub layout: Option<PathBuf>,
-    /// Rows (frames) per second, in place of any time column.
+    /// Rows (frames) per second, overriding any time column.
     pub rate: Option<f64>,
-    /// `true` if recordings begin untouched.
+    /// `true` if recordings begin without contact.
     pub untouched: bool,
     /// Column of the labels that groups recordings.
     pub group: Option<String>,
-    /// Name of the table of labels of frames in each recording's folder.
+    /// Name of the label table of the frames in each recording's folder.
     pub frame_labels: Option<String>,
-    /// Other recordings and their labels, to choose thresholds on; empty or two paths.
+    /// Other recordings and their labels, from which thresholds are chosen; empty or two paths.
     pub thresholds_from: Vec<PathBuf>,
 }
 

@@ -16,7 +16,7 @@ use serde_json::json;
 use std::io::Write;
 use std::path::Path;
 
-/// Other recordings, from which thresholds are taken, and their name.
+/// Other recordings, from which thresholds are chosen, and their name.
 struct Others {
     name: String,
     collected: Collected,
@@ -98,7 +98,7 @@ pub fn score(options: &SlipScoreOptions, out: &mut dyn Write) -> Result<Outcome,
     Ok(Outcome::Done)
 }
 
-/// Scores all detectors.
+/// Scores all detectors on the collected recordings.
 fn judge(
     collected: &mut Collected,
     others: Option<&Others>,
@@ -176,10 +176,11 @@ fn judge(
     }
 }
 
-/// Returns `true` if the detector's scores are in the same unit on both.
+/// Returns `true` if the detector's scores have the same unit in both.
 ///
-/// Drag is in standard deviations of the noise, image loss in grey levels. The load is in spacings if both are of patterns. All others are in a
-/// sensor's unit, which is the same if both are of one kind of taxel array.
+/// The unit of drag is the standard deviation of the noise, that of image loss the gray level. Load is in spacings of
+/// the pattern if both contain marker patterns. All other scores are in the sensor's unit, which is the same if both
+/// contain the same kind of taxel array.
 fn is_comparable(detector: Detector, one: &Collected, other: &Collected) -> bool {
     match detector {
         Detector::Drag | Detector::ImageLoss => true,

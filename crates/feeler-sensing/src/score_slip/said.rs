@@ -1,4 +1,4 @@
-//! Scores as text.
+//! Formats scores as text.
 
 use super::scores::Scored;
 use feeler_report::pages::{

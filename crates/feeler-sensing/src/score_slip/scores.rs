@@ -17,16 +17,16 @@ pub struct Scored {
     pub own_noise: Option<f64>,
     /// Verdicts with thresholds chosen on the other groups.
     pub verdicts: [Option<Verdict>; DETECTORS.len()],
-    /// Verdicts with thresholds chosen on `--thresholds-from` alone.
+    /// Verdicts with thresholds chosen only on the recordings of `--thresholds-from`.
     pub verdicts_by_others: [Option<Verdict>; DETECTORS.len()],
     /// Slip of a whole recording, if its onset is known.
     pub event: Option<SlipEvent>,
-    /// Times of the alarms that report it (s), in the order of [`DETECTORS`].
+    /// Time of each detector's alarm for this slip (s), in the order of [`DETECTORS`].
     pub alarms: [Option<f64>; DETECTORS.len()],
 }
 
-/// Writes the table, one row per recording (or frame) and detector. Set `by_others` to include the thresholds of
-/// `--thresholds-from`. Times of slips are included if any are known.
+/// Writes the table, one row per recording (or frame) and detector. If `by_others`, includes the verdicts of
+/// `--thresholds-from`. Includes times of slips if any are known.
 pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let header = [
@@ -87,7 +87,7 @@ pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// Detectors with their indices in [`DETECTORS`], without image loss if no image was scored.
+/// Returns the detectors with their indices in [`DETECTORS`], without image loss if it has no scores.
 pub fn applicable_detectors(scored: &[Scored]) -> Vec<(usize, Detector)> {
     let has = |index: usize| scored.iter().any(|one| one.scores[index].is_some());
     let all = DETECTORS.into_iter().enumerate();

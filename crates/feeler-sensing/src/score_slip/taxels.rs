@@ -13,7 +13,7 @@ use std::path::Path;
 
 /// Reader of the tables of one or more taxel arrays that measured the same grasp.
 pub struct TaxelTables {
-    /// Layout of each array in a table. They differ in the column prefix.
+    /// Layout of each array in a table; they differ only in the column prefix.
     layouts: Vec<TaxelLayout>,
     rate: Option<f64>,
     untouched: bool,
@@ -56,7 +56,7 @@ impl TaxelTables {
         })
     }
 
-    /// Unit of the shear.
+    /// Unit of the shear vectors.
     pub fn unit(&self) -> &'static str {
         self.layouts
             .first()
@@ -193,7 +193,8 @@ fn side_by_side(
     (0..most).map(frame).collect()
 }
 
-/// Concatenates the values that `part` selects from frame `number` of each array; absent taxels get `missing`.
+/// Concatenates the values that `part` selects from frame `number` of each array. Absent taxels have the value
+/// `missing`.
 fn joined<T: Copy>(
     arrays: &[(usize, &[GraspFrame])],
     number: usize,

@@ -17,7 +17,7 @@ const VECTORS: [[&str; 2]; 2] = [["u_x", "u_y"], ["f_x", "f_y"]];
 
 /// Reader of tables of tracks.
 pub struct TrackTables {
-    /// Layout of all recordings that have none next to them.
+    /// Layout of all recordings that have no layout next to them.
     layout: Option<PathBuf>,
     rate: Option<f64>,
     untouched: bool,
@@ -100,7 +100,7 @@ impl TrackTables {
         ))
     }
 
-    /// Reads the frames, and whether their vectors are displacements (`true`) or forces.
+    /// Reads the frames. Also returns `true` if their vectors are displacements, `false` if forces.
     fn read_frames(
         &self,
         path: &Path,
@@ -150,13 +150,13 @@ pub fn is_tracks(path: &Path) -> bool {
     })
 }
 
-/// Indices of the columns.
+/// Indices of the columns in the table.
 struct Columns {
     frame: usize,
     element: usize,
     /// Displacement or tangential force.
     vector: [NumberColumn; 2],
-    /// `true` if the vectors are displacements in an image.
+    /// `true` if the vectors are displacements in an image (px).
     are_places: bool,
     normal: Option<NumberColumn>,
     clock: Clock,
@@ -218,7 +218,7 @@ impl Columns {
 struct Frames(Vec<(u64, GraspFrame)>);
 
 impl Frames {
-    /// Adds the current row of a table. Calls `odd` with kind and description of each irregularity.
+    /// Adds the current row of a table. Calls `odd` with the kind and description of each irregularity.
     fn take<R: BufRead>(
         &mut self,
         table: &Table<R>,

@@ -1,8 +1,8 @@
 //! Videos of a marker gel, decoded by ffmpeg.
 //!
-//! Markers are located in single frames and not tracked, so markers that jump or are temporarily lost do no harm. This
-//! gives positions, in which [`ContactLoss`](feeler::control::grasp_slip::ContactLoss) can recognize a pattern, but no
-//! displacements.
+//! Markers are located in each frame separately and not tracked, so jumping or temporarily lost markers cause no
+//! errors. This yields positions, in which [`ContactLoss`](feeler::control::grasp_slip::ContactLoss) can recognize a
+//! pattern, but no displacements.
 
 use super::notes::Notes;
 use super::options::RecordedOptions;
@@ -100,7 +100,7 @@ impl Videos {
 /// Locates the markers in successive images of a video.
 #[derive(Default)]
 struct Locator {
-    /// Markers of the first image that shows any. All others are searched for the same markers.
+    /// Markers of the first image that shows any. All other images are searched for the same markers.
     first: Option<Located>,
 }
 

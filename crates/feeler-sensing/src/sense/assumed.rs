@@ -1,4 +1,4 @@
-//! Checks that images show the default fingertip if none was named.
+//! Checks that images show the default fingertip if no fingertip was named.
 
 use super::SenseOptions;
 use feeler::sensor::calibration::Calibration;
@@ -13,7 +13,7 @@ use feeler_lab::sensor::SensorGeometry;
 const ADVICE: &str = "Find its elements with `feeler locate PICTURE -o layout.toml` and pass `--layout layout.toml`, or name the \
                        experiment of the fingertip with `--experiment`";
 
-/// An experiment's fingertip that is assumed by default.
+/// Fingertip of an experiment that is assumed if none is named.
 pub struct AssumedFingertip {
     experiment: String,
     size: (usize, usize),
@@ -23,7 +23,7 @@ pub struct AssumedFingertip {
 }
 
 impl AssumedFingertip {
-    /// Returns the assumed fingertip, described by `geometry`, or `None` if one was named.
+    /// Returns the assumed fingertip, described by `geometry`, or `None` if a fingertip was named.
     pub fn of(
         options: &SenseOptions,
         geometry: &SensorGeometry,

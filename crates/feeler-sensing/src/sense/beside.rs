@@ -11,7 +11,7 @@ use std::time::Duration;
 /// Time between two updates of the progress line.
 pub const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Maximum time to wait for a paused terminal at the end.
+/// Maximum time to wait for a paused terminal when sensing ends.
 const LAST: Duration = Duration::from_secs(1);
 
 /// Printer of progress and warnings.
@@ -33,7 +33,8 @@ pub struct BackgroundReporter {
 }
 
 impl ConsoleReporter {
-    /// Creates a reporter, which may block on the terminal if `waits`. Progress is hidden unless standard error is a terminal.
+    /// Creates a reporter that may block on the terminal if `waits`. Progress is hidden unless standard error is a
+    /// terminal.
     pub fn new(waits: bool) -> Self {
         let bar = ProgressBar::new_spinner();
         let style = ProgressStyle::with_template("{spinner} {msg}");

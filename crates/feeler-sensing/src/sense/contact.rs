@@ -23,7 +23,7 @@ pub struct ContactOptions {
     pub friction: Option<f64>,
 }
 
-/// Name of a column and its value, or `None` if the value is unknown.
+/// Name of a column, and a function that returns its value, or `None` if unknown.
 type Column = (&'static str, fn(&Contact) -> Option<f64>);
 
 /// Columns of a table that describe a contact, after those of the frame.
@@ -88,7 +88,7 @@ impl ContactFormat {
     /// Creates the format for a taxel array.
     ///
     /// # Errors
-    /// If the forces are in counts and `options` have no threshold.
+    /// If the forces are in counts and `options` contain no threshold.
     pub fn of_taxels(options: ContactOptions, layout: &TaxelLayout) -> Result<Self, CommandError> {
         let unit = layout.force_unit();
         if options.touch.is_none() && unit == TaxelUnit::Counts {
@@ -137,7 +137,7 @@ enum Cell {
     Number(Option<f64>),
 }
 
-/// A row with the names of its cells.
+/// A row: column names and cells.
 struct NamedCells<'a>(&'a [&'static str], &'a [Cell]);
 
 impl Serialize for NamedCells<'_> {

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// Maximum time to wait for a frame before the interrupt flag is checked.
 pub const WAIT: Duration = Duration::from_millis(50);
 
-/// Senses all frames of `source`, or those until `interrupted`.
+/// Converts all frames of `source` to readings, or those until `interrupted`.
 pub fn sense(
     options: &SenseOptions,
     source: &Source,
@@ -95,22 +95,22 @@ fn sense_all(
     Ok(())
 }
 
-/// Senses frames and writes their readings.
+/// Converts frames to readings and writes them.
 struct Stage<'a> {
     sensing: SensingChain,
     readings: Vec<ElementReading>,
     /// Number of frames whose mean becomes the reference if none is given.
     unloaded: usize,
-    /// Frames that wait for the reference: number, stamp (s), readings.
+    /// Number, stamp (s) and readings of each frame that waits for the reference.
     waiting: Vec<(u64, f64, Vec<ElementReading>)>,
-    /// Fingertip that the first image must show, if none was named.
+    /// Fingertip that the first image must show if no fingertip was named.
     assumed: Option<AssumedFingertip>,
     output: Box<dyn Output>,
     tally: &'a mut SensingStats,
 }
 
 impl Stage<'_> {
-    /// Senses a frame received at `at`.
+    /// Converts a frame received at `at` to readings.
     fn sense(&mut self, frame: &Frame, at: Instant) -> Result<(), CommandError> {
         let failed = |e: &dyn std::fmt::Display| format!("frame {}: {e}", frame.sequence);
         let sensed = self.sensing.sense(&frame.picture, &mut self.readings);
@@ -139,7 +139,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Returns an error if the camera error `error` is that of a first image whose size differs from the assumed fingertip's.
+    /// Returns an error if `error` is that of a first image whose size differs from the assumed fingertip's.
     fn check_size(&self, error: &CameraError) -> Result<(), CommandError> {
         match (&self.assumed, error) {
             (

@@ -1,4 +1,4 @@
-//! From a source of images or taxels to tables, recordings and the link.
+//! `feeler sense`: reads images or taxels, and writes tables or recordings, or publishes tactile data.
 
 mod assumed;
 mod beside;
@@ -45,9 +45,9 @@ pub struct SenseOptions {
     pub sources: Vec<PathBuf>,
     /// Located layout in place of an experiment's fingertip.
     pub layout: Option<PathBuf>,
-    /// Settings of contacts, or `None` to write forces or moments.
+    /// Options of the contact output, or `None` to write forces or moments.
     pub contact: Option<ContactOptions>,
-    /// Experiment whose fingertip it is: a file or a built-in name.
+    /// Experiment that defines the fingertip: a file or a built-in name.
     pub experiment: Option<String>,
     /// Calibration file.
     pub calibration: Option<PathBuf>,
@@ -63,7 +63,7 @@ pub struct SenseOptions {
     pub record_frames: bool,
     /// Size of raw frames on standard input (columns, rows).
     pub raw: Option<(usize, usize)>,
-    /// Size of a camera's images (columns, rows), or `None` for that of the fingertip.
+    /// Size of a camera's images (columns, rows), or `None` for the size of the fingertip's images.
     pub size: Option<(usize, usize)>,
     /// Frame rate (Hz): requested from a camera, assumed for images.
     pub rate: Option<f64>,
@@ -73,11 +73,11 @@ pub struct SenseOptions {
     pub track: Option<Track>,
     /// Image without load from which displacements are measured.
     pub reference: Option<PathBuf>,
-    /// Number of initial frames without load from whose mean displacements are measured.
+    /// Number of initial frames without load; displacements are measured from their mean.
     pub unloaded: Option<u32>,
     /// Maximum share of saturated pixels in a sub-region, 0 to 1.
     pub max_saturated: Option<f64>,
-    /// Finger of the recording or experiment.
+    /// Index of the finger in the recording or experiment.
     pub finger: Option<usize>,
     /// `true` to publish the readings for a hand.
     pub publish: bool,
@@ -85,11 +85,11 @@ pub struct SenseOptions {
     pub taxels: TaxelOptions,
     /// Settings of the experiment, as in `control.slip_threshold=2.5`.
     pub settings: Vec<String>,
-    /// Name of the rig, or `None` for that of the experiment.
+    /// Name of the rig, or `None` for the experiment's name.
     pub rig: Option<String>,
     /// Connection to the rig.
     pub link: LinkOptions,
-    /// Name of the first option given that only affects publishing.
+    /// First given option that only affects publishing, if any.
     pub publishing_option: Option<&'static str>,
 }
 
@@ -161,7 +161,7 @@ impl SenseOptions {
         .into())
     }
 
-    /// Opens the output for readings of images.
+    /// Opens the output for readings from images.
     fn open_output(&self, forces: bool) -> Result<Box<dyn Output>, CommandError> {
         let pictures = self.recorded_finger();
         self.open_output_as(ImageFormat { forces, pictures })
@@ -209,7 +209,7 @@ impl SenseOptions {
     }
 }
 
-/// Senses the sources of `options`: writes readings to a table or recording, or publishes them on the link.
+/// Reads the sources of `options`, and writes their readings to a table or recording, or publishes them on the link.
 ///
 /// # Errors
 /// If options contradict each other, or a source, the calibration or the output fails.
@@ -236,7 +236,7 @@ pub fn sense(options: &SenseOptions) -> Result<Outcome, CommandError> {
     Ok(Outcome::Done)
 }
 
-/// Senses a source other than a taxel table.
+/// Processes a source other than a taxel table.
 fn sense_source(
     options: &SenseOptions,
     tally: &mut SensingStats,

@@ -30,7 +30,7 @@ struct Publisher<'a> {
     tally: &'a mut SensingStats,
 }
 
-/// Senses and publishes the images of `source` until it ends or `stop` is raised.
+/// Processes and publishes the images of `source` until it ends or `stop` is raised.
 pub fn publish(
     options: &SenseOptions,
     source: &Source,
@@ -101,7 +101,7 @@ impl<'a> Publisher<'a> {
         })
     }
 
-    /// Senses the images of a rig in another program.
+    /// Processes the images of a rig that runs in another program.
     fn sense_rig(
         &mut self,
         experiment: &Experiment,
@@ -144,7 +144,7 @@ impl<'a> Publisher<'a> {
         Ok(())
     }
 
-    /// Senses the images of a camera or of files.
+    /// Processes the images of a camera or of files.
     fn sense_camera(
         &mut self,
         options: &SenseOptions,
@@ -181,9 +181,10 @@ impl<'a> Publisher<'a> {
         Ok(())
     }
 
-    /// Warns once, here and by heartbeat, if the first images show a fingertip other than the calibration's.
+    /// Warns once, on standard error and in the heartbeat, if the first images do not match the calibration's
+    /// fingertip.
     ///
-    /// Sensing continues, because a sensor program may start while its finger is pressed all over.
+    /// Sensing continues, because the whole fingertip may be pressed when a sensor program starts.
     fn check_first(&mut self, picture: &Picture) {
         if self.is_mismatched {
             return;
@@ -201,7 +202,7 @@ impl<'a> Publisher<'a> {
         }
     }
 
-    /// Writes and counts the latest readings: those of image `number`, the `sequence`-th received, at time `at`.
+    /// Writes and counts the latest readings, from image `number`, the `sequence`-th one received, at time `at`.
     fn write(
         &mut self,
         sequence: u64,

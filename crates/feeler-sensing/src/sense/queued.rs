@@ -9,13 +9,13 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, channel,
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Maximum number of queued frames: several seconds of a fast camera, 2 MB.
+/// Maximum number of queued frames: several seconds of a fast camera, 2 MB of memory.
 const WAITING: usize = 512;
 
-/// Maximum number of queued frames with images: 2 s of a 30 Hz camera, 20 MB for 640x480 px.
+/// Maximum number of queued frames with images: 2 s of a 30 Hz camera, 20 MB of memory for 640x480 px.
 const WAITING_WITH_PICTURES: usize = 64;
 
-/// Maximum time to wait at the end for a disk that accepts no data.
+/// Maximum time to wait at the end if the disk accepts no data.
 const LAST: Duration = Duration::from_secs(5);
 
 /// Interval at which a full queue is polled.
@@ -27,9 +27,9 @@ pub type Say = Box<dyn FnMut(&str) + Send>;
 /// Policy for frames that do not fit into the queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Backpressure {
-    /// Block for space, for files and streams.
+    /// Block until there is space, for files and streams.
     Block,
-    /// Drop and count them, for a camera. An error of the output ends sensing.
+    /// Drop frames and count them, for a camera. An error of the output ends sensing.
     Drop,
     /// Like [`Drop`](Self::Drop), but an error of the output does not end sensing, because a hand needs the readings.
     DropAndIgnoreErrors,
@@ -41,7 +41,7 @@ pub struct BackgroundOutput {
     full: Backpressure,
     spare: Receiver<Sensed>,
     spare_pictures: Receiver<Frame>,
-    /// Result of the thread: the path of the partial file that remains, if any.
+    /// Path of the partial file that remains, if any, sent when the thread ends.
     ended: Receiver<Result<Option<PathBuf>, String>>,
     say: Say,
     dropped: u64,
@@ -61,13 +61,13 @@ struct Sensed {
 enum Work {
     Write(Sensed),
     Picture(Frame),
-    /// Close the output, which is complete if `true`.
+    /// Close the output. It is complete if `true`.
     Finish(bool),
 }
 
 impl BackgroundOutput {
-    /// Starts a thread that writes to `output`. Dropped frames are reported to `say`. Set `pictures` if frames may have
-    /// images.
+    /// Starts a thread that writes to `output`. Dropped frames are reported to `say`. `pictures` is `true` if frames
+    /// may have images.
     ///
     /// # Errors
     /// If the thread cannot be started.
@@ -109,7 +109,7 @@ impl BackgroundOutput {
         })
     }
 
-    /// Returns the error of a thread that ended early.
+    /// Returns the error of the thread after it ended early.
     fn why_ended(&mut self) -> String {
         self.works = None;
         match self.ended.recv() {
@@ -125,7 +125,7 @@ impl BackgroundOutput {
         }
     }
 
-    /// Describes what was dropped so far.
+    /// Describes the frames dropped so far.
     fn missing(&self) -> String {
         match (self.dropped, self.dropped_pictures) {
             (frames, 0) => format!("{frames} frames"),

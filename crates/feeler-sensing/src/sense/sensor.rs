@@ -19,7 +19,7 @@ pub fn sensor_geometry(options: &SenseOptions) -> Result<SensorGeometry, Command
 }
 
 /// Creates the sensing chain of a sensor with its calibration or reference, if any, and the wrench estimator if the
-/// calibration is one of wrenches.
+/// calibration is a wrench calibration.
 pub fn sensing_chain(
     mut geometry: SensorGeometry,
     options: &SenseOptions,
@@ -63,8 +63,8 @@ pub struct SensorOf {
     pub sha256: String,
 }
 
-/// Creates the sensor of `finger` of `experiment` with the layout and calibration in `options`, or else those of the
-/// experiment.
+/// Creates the sensor of `finger` of `experiment` with the layout and calibration in `options`, or by default those of
+/// the experiment.
 pub fn hand_sensor(
     options: &SenseOptions,
     experiment: &Experiment,
@@ -96,7 +96,7 @@ pub fn hand_sensor(
     })
 }
 
-/// Checks that the calibration was verified as recently as `options` require.
+/// Checks that the calibration was verified within the time that `options` require.
 fn check_verified(
     options: &SenseOptions,
     estimator: Option<&WrenchEstimator>,
@@ -141,8 +141,8 @@ fn named_calibration(
     read.map_err(|e| format!("--calibration {}: {e}", path.display()).into())
 }
 
-/// Creates the wrench estimator of the calibration at `path`, or returns `None` if it is a calibration of elements. Sets
-/// whether markers are tracked.
+/// Creates the wrench estimator of the calibration at `path`, or returns `None` if it calibrates single elements. Also
+/// configures marker tracking.
 fn named_estimator(
     geometry: &mut SensorGeometry,
     path: &Path,

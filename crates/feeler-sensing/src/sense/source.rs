@@ -21,9 +21,9 @@ pub enum Source {
     Raw((usize, usize)),
     /// A camera.
     Camera(CameraName),
-    /// The recording of a run.
+    /// A recorded run.
     Recording(PathBuf),
-    /// Recorded images of a sensor.
+    /// A recording of a sensor's images.
     Sensed(PathBuf),
     /// A video file.
     Video(PathBuf),

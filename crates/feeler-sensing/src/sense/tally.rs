@@ -1,4 +1,4 @@
-//! Counts sensed, skipped and dropped frames and reports them on standard error.
+//! Counts processed, skipped and dropped frames, and reports them on standard error.
 
 use super::beside::{ConsoleReporter, INTERVAL};
 use feeler::sensor::forces::ElementReading;
@@ -32,7 +32,7 @@ pub struct SensingStats {
     saturated: BTreeMap<usize, u64>,
 }
 
-/// Counter of frames of one kind, such as black frames, and the first of them.
+/// Number of frames of one kind, such as black frames, and the first of them.
 #[derive(Default)]
 struct Uniform {
     count: u64,
@@ -71,12 +71,13 @@ impl SensingStats {
         }
     }
 
-    /// Number of sensed frames.
+    /// Number of processed frames.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Returns the error message for a source without usable frames, with the reason for the first skipped image.
+    /// Returns the error message for a source without usable frames, which contains the reason for the first skipped
+    /// image.
     pub fn nothing(&self) -> String {
         let skipped = match (self.skipped, &self.first_skipped) {
             (count, Some(first)) => format!("{count} skipped, the first: {first}"),
@@ -134,7 +135,7 @@ impl SensingStats {
         }
     }
 
-    /// Counts and reports a skipped image. Its number is not counted as dropped.
+    /// Counts and reports a skipped image. It is not counted as dropped.
     pub fn skip(&mut self, reason: &str) {
         self.skipped += 1;
         self.first_skipped.get_or_insert_with(|| reason.to_owned());

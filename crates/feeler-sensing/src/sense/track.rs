@@ -57,13 +57,13 @@ pub fn sense(
 
 struct Stage {
     tracker: MarkerTracker,
-    /// Tracker before the first image.
+    /// State of the tracker before the first image.
     untouched: MarkerTracker,
     track: Track,
     readings: Vec<ElementReading>,
     /// Number of images in which markers were recovered by matching against the reference.
     found_again: u64,
-    /// Number of images without a pattern of markers, and the first of them.
+    /// Number of images without a marker pattern, and the sequence number of the first of them.
     without: Option<(u64, u64)>,
 }
 
@@ -159,10 +159,11 @@ impl Stage {
     }
 }
 
-/// Output format for tracked markers. Messages are as without tracking; a lost marker has no displacement.
+/// Output format for tracked markers. Messages have the same form as without tracking; a lost marker has no
+/// displacement.
 struct MarkerFormat(ImageFormat);
 
-/// One marker in one frame as written.
+/// Columns of one marker in one frame.
 #[derive(Serialize)]
 struct Row {
     frame: u64,

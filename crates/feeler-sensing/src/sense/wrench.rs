@@ -14,12 +14,12 @@ use std::path::Path;
 /// Name of the coordinate frame in which wrenches are given.
 const FRAME: &str = "wrench_sensor";
 
-/// Estimates the wrench from the readings of a frame.
+/// Wrench estimator for the readings of a frame.
 pub trait Estimate: Send {
     /// Estimates the wrench of `frame`.
     fn of(&mut self, frame: &FrameReadings) -> WrenchEstimate;
 
-    /// Starts a sequence without load.
+    /// Starts a new sequence, which begins without load.
     fn restart(&mut self) {}
 }
 
@@ -40,7 +40,7 @@ impl Estimate for TaxelWrenchEstimator {
     }
 }
 
-/// Predicts the wrench of each frame and counts invalid ones.
+/// Estimates the wrench of each frame and counts invalid ones.
 pub struct Estimates<E> {
     estimator: E,
     frames: u64,
@@ -64,7 +64,7 @@ impl<E: Estimate> Estimates<E> {
         estimate
     }
 
-    /// Starts a sequence without load.
+    /// Starts a new sequence, which begins without load.
     pub fn restart(&mut self) {
         self.estimator.restart();
     }
@@ -80,7 +80,7 @@ impl<E: Estimate> Estimates<E> {
     }
 }
 
-/// The wrench of one frame as written; missing values are empty.
+/// Columns of the wrench in one frame; missing values are empty.
 #[derive(Serialize)]
 struct Row {
     frame: u64,
@@ -133,7 +133,7 @@ pub fn write_row(
     file.write(&Row::new(frame, estimate))
 }
 
-/// Message with the wrench of a frame at `stamp` (s). Components that are missing or not valid are NaN.
+/// Creates the message with the wrench of a frame at `stamp` (s). Components that are missing or invalid are NaN.
 pub fn message(stamp: f64, estimate: &WrenchEstimate) -> WrenchStamped {
     let known = |component: Option<f64>| component.filter(|_| estimate.valid);
     let components: [f64; AXES] =

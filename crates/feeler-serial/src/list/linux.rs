@@ -9,7 +9,7 @@ use std::path::Path;
 const TERMINALS: &str = "/sys/class/tty";
 
 /// Lists the USB serial ports, in the order of their names. Ports of the main board are not listed, because most of
-/// them lead nowhere.
+/// them are not connected.
 ///
 /// # Errors
 /// If the system's list of terminals cannot be read.

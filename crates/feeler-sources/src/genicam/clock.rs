@@ -1,7 +1,7 @@
 //! Maps a camera's stamps onto the host's clock and its frame counter onto sequence numbers. Independent of hardware.
 
-/// The clocks' offset is estimated from arrivals of the last one to two of these windows, s. Clocks drift by some 50
-/// ppm, a quarter of a millisecond in that time.
+/// Duration of a window, s. The offset of the clocks is estimated from arrivals in the last one to two windows. Clocks
+/// drift by some 50 ppm, a quarter of a millisecond in that time.
 const WINDOW: f64 = 5.0;
 /// Minimum increment of a stamp, as a fraction of the device's own interval.
 const MIN_STEP: f64 = 0.5;

@@ -8,10 +8,10 @@ pub enum GenicamError {
         "GenICam cameras need the library Aravis 0.8: {reason}; install it (Debian, Ubuntu: apt install libaravis-0.8-0)"
     )]
     Library {
-        /// Error of the system.
+        /// Error of the operating system.
         reason: String,
     },
-    /// No camera matches.
+    /// No camera matches the requested id.
     #[error(
         "genicam:{id}: no such camera ({reason}); expected one of those listed by `feeler cameras`: {listed}"
     )]

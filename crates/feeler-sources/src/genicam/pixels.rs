@@ -12,8 +12,8 @@ pub(super) enum Pixels {
 }
 
 impl Pixels {
-    /// All formats, in order of preference. More than 8 bits are scaled down, so the others are useful only if a
-    /// camera has no `Mono8`.
+    /// All formats, in order of preference. Other formats are reduced to 8 bits, so they are used only if a camera has
+    /// no `Mono8`.
     pub(super) const ALL: [Self; 4] = [Self::Mono8, Self::Mono10, Self::Mono12, Self::Mono16];
 
     pub(super) fn name(self) -> &'static str {

@@ -5,7 +5,7 @@ use super::error::GenicamError;
 use super::pixels::Pixels;
 use crate::settings::{CameraSettings, Trigger};
 
-/// Name of the trigger source for triggering by command.
+/// Name of the trigger source for software triggers.
 const SOFTWARE: &str = "Software";
 /// Microseconds, the unit of exposure times, per second.
 const MICROSECONDS: f64 = 1e6;
@@ -45,7 +45,7 @@ pub(super) fn apply(
     Ok(pixels)
 }
 
-/// Sets the preferred pixel format among those that the camera has.
+/// Sets the preferred pixel format among the available ones.
 fn pixel_format(device: &Device) -> Result<Pixels, String> {
     let offered = device.pixel_formats()?;
     let known = |pixels: &Pixels| offered.iter().any(|name| name == pixels.name());

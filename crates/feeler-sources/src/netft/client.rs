@@ -37,7 +37,7 @@ pub enum ForceError {
     Unreachable {
         /// Address of the sensor.
         address: String,
-        /// Error of the system.
+        /// Error of the operating system.
         reason: String,
     },
     /// The scale of the counts is unknown.

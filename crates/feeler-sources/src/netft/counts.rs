@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 /// Path of the XML page.
 const PAGE: &str = "/netftapi2.xml";
-/// Maximum duration of the request and maximum size of the page (bytes); it usually has a few thousand.
+/// Maximum duration of the request, and maximum size of the page (bytes), which is usually a few thousand.
 const TIME: Duration = Duration::from_secs(5);
 const LONGEST: usize = 1 << 18;
 
@@ -40,7 +40,7 @@ pub enum CountsError {
     NoPage {
         /// Host and port.
         web: String,
-        /// Error of the system or of the page.
+        /// Error of the operating system or of the page.
         reason: String,
     },
     /// The page is not XML.

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A force/torque sensor on this computer that streams RDT records to the client whose request came last. It also
-/// serves the part of a sensor's web page that contains the scale of the counts.
+/// A force/torque sensor on this computer that streams RDT records to the client that sent the latest request. It also
+/// serves the part of the sensor's web page that contains the scale of the counts.
 #[derive(Debug)]
 pub struct NetFtEmulator {
     address: SocketAddr,

@@ -5,7 +5,7 @@ pub const RDT_PORT: u16 = 49152;
 
 /// First bytes of a request.
 const HEADER: u16 = 0x1234;
-/// Bytes of a request and of a record.
+/// Number of bytes of a request and of a record.
 const REQUEST: usize = 8;
 const RECORD: usize = 36;
 /// Status bit that indicates a fault.
@@ -18,7 +18,7 @@ pub enum Command {
     Stop,
     /// Send records as they are measured.
     Stream,
-    /// Take the present load as zero.
+    /// Use the present load as zero.
     Bias,
 }
 

@@ -57,7 +57,7 @@ impl Connection {
         self.port.is_some()
     }
 
-    /// Current time, s.
+    /// Current time since stamp 0, s.
     pub fn now(&self) -> f64 {
         self.origin.elapsed().as_secs_f64()
     }

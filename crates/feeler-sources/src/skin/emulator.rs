@@ -26,7 +26,7 @@ pub struct SkinEmulator {
 impl SkinEmulator {
     /// Starts a skin with this `layout` that sends `rate` frames per second, or responds to requests.
     ///
-    /// If `link` is given, it becomes a symbolic link to the port, like the stable names of USB ports: it also leads to the
+    /// If `link` is given, it becomes a symbolic link to the port, like the stable names of USB ports: it points to the
     /// new port after the skin was unplugged and plugged in again.
     ///
     /// # Errors
@@ -115,11 +115,11 @@ struct Server {
     link: Option<PathBuf>,
     /// `None` while the skin is unplugged.
     port: Option<PseudoTerminal>,
-    /// Share of bytes that are dropped.
+    /// Fraction of bytes that are dropped.
     lost: f64,
-    /// Share of bytes with a changed bit.
+    /// Fraction of bytes in which a bit is changed.
     flipped: f64,
-    /// End of a silence.
+    /// Time until which nothing is sent.
     quiet: Option<Instant>,
     /// Time at which the skin is plugged in again.
     unplugged: Option<Instant>,
@@ -161,7 +161,7 @@ impl Server {
         }
     }
 
-    /// Opens the port again after the time without it.
+    /// Opens the port again when the unplugged time is over.
     fn plug_in(&mut self) {
         let is_over = self.unplugged.is_some_and(|end| Instant::now() >= end);
         if is_over && let Ok(port) = plug_in(self.link.as_deref()) {
@@ -169,7 +169,7 @@ impl Server {
         }
     }
 
-    /// Collects bytes of the other program until `due`, or until they are a request.
+    /// Collects bytes from the other program until `due`, or until they form a request.
     fn receive(&mut self, due: Instant, received: &mut Vec<u8>) {
         loop {
             let left = due.saturating_duration_since(Instant::now());

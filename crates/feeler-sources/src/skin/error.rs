@@ -23,7 +23,7 @@ pub enum SkinError {
     Port {
         /// Path of the port.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A skin cannot be emulated.
@@ -31,7 +31,7 @@ pub enum SkinError {
     Emulator {
         /// Link to its port; empty if none was requested.
         link: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

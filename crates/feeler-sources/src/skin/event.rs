@@ -1,4 +1,4 @@
-//! Events in the life of an emulated skin.
+//! Events that an emulated skin simulates: loads, fields and faults.
 
 use std::str::FromStr;
 
@@ -13,13 +13,13 @@ pub enum SkinEvent {
     LoseBytes(f64),
     /// Changes a bit of this fraction of all bytes.
     FlipBytes(f64),
-    /// Sends nothing for this time, s.
+    /// Sends nothing for this duration, s.
     Silent(f64),
-    /// Removes the port for this time, s.
+    /// Removes the port for this duration, s.
     Unplug(f64),
 }
 
-/// All kinds of events, as written on the command line.
+/// All kinds of events, in the syntax of the command line.
 const KINDS: &str =
     "press=COUNTS, field=X,Y,Z, lose-bytes=SHARE, flip-bytes=SHARE, silent=SECONDS, unplug=SECONDS";
 

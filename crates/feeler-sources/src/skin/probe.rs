@@ -1,4 +1,4 @@
-//! Finds out which skin is connected to a port.
+//! Identifies the skin that is connected to a port.
 
 use feeler::sensor::skin::{SerialConfig, SkinDecoder, SkinProtocol};
 use feeler_serial::SerialPort;
@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 const LISTEN: Duration = Duration::from_millis(600);
 /// Time to wait for a response.
 const RESPONSE: Duration = Duration::from_millis(60);
-/// Minimum number of frames that prove a protocol.
+/// Minimum number of frames by which a protocol is recognized.
 const PROOF: u64 = 3;
-/// Numbers of chips on known and possible boards with magnetometers.
+/// Range of the number of chips on known and possible boards with magnetometers.
 const CHIPS: std::ops::RangeInclusive<usize> = 1..=16;
 /// Numbers of taxels of FlexiTac: 12 rows of 32, 16 rows of 32, and 16 rows of 16.
 const MATRICES: [usize; 3] = [384, 512, 256];
@@ -24,16 +24,16 @@ const ADDRESSES: std::ops::RangeInclusive<u8> = 1..=8;
 pub struct FoundSkin {
     /// Settings of its port.
     pub serial: SerialConfig,
-    /// Number of taxels, or `None` if the skin does not tell.
+    /// Number of taxels, or `None` if the skin does not report it.
     pub taxels: Option<usize>,
-    /// Frames per second, or `None` for a skin that only responds.
+    /// Frames per second, or `None` if the skin only responds to requests.
     pub rate: Option<f64>,
 }
 
 /// Finds the skin on the port at `path`, or returns `None` if no frame of a known protocol arrives.
 ///
-/// Listens for skins that send by themselves. If nothing at all arrives, sends requests for the force on a single taxel
-/// at the addresses of PaXini modules, which change nothing.
+/// Listens for skins that send unprompted. If nothing arrives, sends requests for the force on a single taxel to the
+/// addresses of PaXini modules. These requests change no settings.
 ///
 /// # Errors
 /// If the port cannot be opened or fails.
@@ -52,7 +52,7 @@ pub fn probe_port(path: &str) -> io::Result<Option<FoundSkin>> {
     }
 }
 
-/// Bytes that arrive within [`LISTEN`].
+/// Returns the bytes that arrive within [`LISTEN`].
 fn listen(path: &str, baud_rate: u32) -> io::Result<Vec<u8>> {
     let mut port = SerialPort::open(path, baud_rate)?;
     let end = Instant::now() + LISTEN;
@@ -67,7 +67,7 @@ fn listen(path: &str, baud_rate: u32) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Recognizes a skin by the number of taxels for which most frames are found.
+/// Recognizes a skin. Its number of taxels is the one for which the most frames are found.
 fn recognize(protocol: SkinProtocol, bytes: &[u8]) -> Option<FoundSkin> {
     let serial = SerialConfig::new(protocol);
     let frames = |&taxels: &usize| count_frames(&serial, taxels, bytes);

@@ -20,7 +20,7 @@ pub enum SkinNews {
     Disconnected(String),
     /// The port was opened again.
     Reconnected,
-    /// The port is open, but no frame arrives.
+    /// The port is open, but frames do not arrive.
     Silent,
 }
 
@@ -39,7 +39,7 @@ pub struct SkinSensor {
     sequence: u64,
     /// Stamp of the latest reading, s.
     stamp: f64,
-    /// Time of the latest reading.
+    /// Time of the latest reading on the host.
     latest: Instant,
     next_attempt: Instant,
     is_silent: bool,

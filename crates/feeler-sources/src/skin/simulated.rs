@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 
 /// Radius at which the effect of a press has decreased to 1/e, m: about the distance of the chips of a magnetic skin.
 const RADIUS: f64 = 0.007;
-/// Tangential part of a press along x of the element.
+/// Tangential part of a press, along x of the element, as a fraction of the press.
 const SHEAR: f64 = 0.2;
 /// Maximum magnitude of noise, counts.
 const NOISE: f64 = 1.0;
@@ -17,13 +17,13 @@ const NOISE: f64 = 1.0;
 #[derive(Debug)]
 pub struct SimulatedSkin {
     protocol: SkinProtocol,
-    /// Reading of each taxel at rest, in its columns.
+    /// Values of each taxel at rest, in the taxel's columns x, y, z.
     rest: Vec<DVec3>,
-    /// Reading of each taxel for a press of 1 count, in its columns.
+    /// Values of each taxel for a press of 1 count, in the taxel's columns.
     pressed: Vec<DVec3>,
-    /// Columns of each taxel in a uniform field of 1 µT along x, y and z.
+    /// Values of each taxel in a uniform field of 1 µT along x, y and z, in the taxel's columns.
     fields: Vec<[DVec3; 3]>,
-    /// Reading of the nearest taxel, counts.
+    /// Press: value of the nearest taxel, counts.
     pub press: f64,
     /// Uniform field, µT.
     pub field: DVec3,
@@ -59,7 +59,7 @@ impl SimulatedSkin {
         }
     }
 
-    /// Writes the current reading of each taxel in its columns to `values`.
+    /// Writes the current values of each taxel to `values`, in the taxel's columns.
     pub fn read(&self, random: &mut Pcg64, values: &mut Vec<DVec3>) {
         values.clear();
         for ((&rest, &pressed), [x, y, z]) in self.rest.iter().zip(&self.pressed).zip(&self.fields)
@@ -80,7 +80,7 @@ impl SimulatedSkin {
     }
 }
 
-/// Reading of an untouched taxel: the flux of the magnets, or a small pressure.
+/// Returns the values of an untouched taxel: the flux of the magnets, or a small pressure.
 fn at_rest(protocol: SkinProtocol, taxel: usize) -> DVec3 {
     let step = taxel as f64;
     match protocol {

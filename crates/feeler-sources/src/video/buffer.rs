@@ -56,7 +56,7 @@ pub(super) struct StreamBuffers {
 }
 
 impl StreamBuffers {
-    /// The buffers of `stream`.
+    /// Returns the buffers of `stream`.
     ///
     /// # Errors
     /// If the process has no file descriptor left.

@@ -7,13 +7,14 @@ use std::collections::VecDeque;
 /// Maximum time by which a driver's stamp may exceed the arrival, s: error of converting between the camera's and the
 /// host's clock. Such a stamp is replaced by the arrival.
 const AHEAD: f64 = 5e-3;
-/// Maximum time from exposure until the image's buffer was handed to the driver, s: longest exposure and read-out.
+/// Maximum time from exposure until the driver receives the image's buffer, s: longest exposure and read-out.
 const EXPOSURE: f64 = 1.0;
 /// Upper bound of the number of buffers in a stream.
 const BUFFERS: usize = 8;
-/// Maximum number of images counted by a driver per interval, for rates set lower than the camera's.
+/// Maximum number of images that the driver may count per interval, because the rate may be set lower than the
+/// camera's.
 const RATE: f64 = 4.0;
-/// Number of images that it may count in addition.
+/// Number of images that the driver may count in addition.
 const SPARE: f64 = 30.0;
 
 /// Stamp and sequence number of one image.
@@ -64,7 +65,7 @@ impl FrameClock {
         }
     }
 
-    /// Stamp and sequence number of an image that arrived `arrival` seconds after the camera was opened.
+    /// Returns the stamp and sequence number of an image that arrived `arrival` seconds after the camera was opened.
     pub(super) fn stamp(&mut self, driver: Option<DriverStamp>, arrival: f64) -> Stamped {
         let (stamp, late) = match self.time(driver, arrival) {
             Ok(stamp) => (stamp, None),
@@ -95,7 +96,7 @@ impl FrameClock {
         }
     }
 
-    /// The driver's stamp in seconds since the camera was opened, or the reason why it is implausible.
+    /// Returns the driver's stamp in seconds since the camera was opened, or the reason why it is implausible.
     fn time(&self, driver: Option<DriverStamp>, arrival: f64) -> Result<f64, String> {
         let driver = driver.ok_or("the driver returns no stamps")?;
         let time = driver
@@ -125,7 +126,8 @@ impl FrameClock {
         Ok(stamp.min(arrival))
     }
 
-    /// Number of frames since the last image, at least 1, and the reason if the driver's number was rejected.
+    /// Returns the number of frames since the last image, at least 1, and the reason if the driver's number was
+    /// rejected.
     fn steps(&self, driver: Option<DriverStamp>, arrival: f64) -> (u64, Option<String>) {
         let elapsed = arrival - self.arrivals.back().copied().unwrap_or(arrival);
         let intervals = elapsed / self.interval;

@@ -5,7 +5,7 @@ use linuxvideo::Device;
 
 /// Names of the control for the exposure time, in units of 100 us.
 const EXPOSURE: [&str; 2] = ["Exposure Time, Absolute", "Exposure (Absolute)"];
-/// Names of the control that must be [`MANUAL_EXPOSURE`] before.
+/// Names of the control that must first be set to [`MANUAL_EXPOSURE`].
 const AUTO_EXPOSURE: [&str; 2] = ["Auto Exposure", "Exposure, Auto"];
 /// `V4L2_EXPOSURE_MANUAL`.
 const MANUAL_EXPOSURE: i32 = 1;

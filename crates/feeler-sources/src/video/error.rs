@@ -13,7 +13,7 @@ pub enum VideoError {
         device: PathBuf,
         /// The operation that failed.
         what: &'static str,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The camera does not offer this size in a known format.

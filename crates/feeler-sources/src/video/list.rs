@@ -5,12 +5,12 @@ use linuxvideo::{BufType, CapabilityFlags, Device, Fract};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-/// A device with the name of a video device.
+/// A device in `/dev` whose name is that of a video device.
 #[derive(Debug)]
 pub struct ListedDevice {
     /// Path of the device, as in `/dev/video0`.
     pub device: PathBuf,
-    /// Link in `/dev/v4l/by-id`, which does not depend on the port.
+    /// Link in `/dev/v4l/by-id`, which does not depend on the USB port.
     pub by_id: Option<PathBuf>,
     /// Description of the camera, or the error of reading it.
     pub info: io::Result<VideoInfo>,
@@ -93,7 +93,7 @@ pub fn list() -> io::Result<Vec<ListedDevice>> {
     Ok(listed.collect())
 }
 
-/// Link to `device` by the camera's identity.
+/// Returns the link in `/dev/v4l/by-id` to `device`.
 fn by_id(device: &Path) -> Option<PathBuf> {
     let links = fs::read_dir("/dev/v4l/by-id").ok()?;
     let links = links.filter_map(Result::ok).map(|link| link.path());

@@ -17,7 +17,7 @@ pub enum VideoFileError {
     NoFfmpeg {
         /// Program that was started.
         program: String,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The file cannot be read.
@@ -25,7 +25,7 @@ pub enum VideoFileError {
     Read {
         /// Path of the file.
         path: PathBuf,
-        /// Error of the system.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The path is a folder.

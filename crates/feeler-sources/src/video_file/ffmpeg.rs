@@ -12,11 +12,11 @@ pub const VARIABLE: &str = "FEELER_FFMPEG";
 /// Maximum length of a message line, bytes; longer lines are split.
 const LONGEST: u64 = 1 << 16;
 
-/// The program ffmpeg, from the variable `FEELER_FFMPEG` or the search path.
+/// The ffmpeg program, given by the variable `FEELER_FFMPEG` or found in the search path.
 #[derive(Debug, Clone)]
 pub struct Ffmpeg {
     program: OsString,
-    /// Option that passes frames through unchanged, without duplicating or dropping any.
+    /// Name of the option that passes frames through unchanged, without duplicating or dropping any.
     sync: &'static str,
 }
 
@@ -81,7 +81,7 @@ fn missing(program: &OsString, source: Error) -> VideoFileError {
     }
 }
 
-/// Name of the option in this version: `-vsync` before 5.1; later versions may have removed it.
+/// Returns the name of the option in this version: `-vsync` before 5.1; later versions may have removed it.
 fn sync_option(version: &str) -> &'static str {
     let number = version.strip_prefix("ffmpeg version ").unwrap_or_default();
     let number = number.trim_start_matches('n');
@@ -93,7 +93,7 @@ fn sync_option(version: &str) -> &'static str {
     }
 }
 
-/// Properties of the next frame that ffmpeg writes.
+/// Properties of the next frame, as reported by ffmpeg before the frame itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameInfo {
     /// Presentation time, s.
@@ -104,8 +104,8 @@ pub struct FrameInfo {
     pub rate: Option<f64>,
 }
 
-/// Reads ffmpeg's `messages` until they end and sends the frames that they announce. Returns the first message that
-/// reports damage, if any.
+/// Reads ffmpeg's `messages` until they end, and sends the properties of each frame that they report. Returns the first
+/// message that reports damage, if any.
 pub fn listen(messages: impl Read, frames: &Sender<FrameInfo>) -> Option<String> {
     let mut messages = BufReader::new(messages);
     let mut heard = Heard::default();
@@ -137,10 +137,10 @@ struct Heard {
 }
 
 impl Heard {
-    /// Returns the frame that `line` announces, if any.
+    /// Returns the properties of the frame that `line` reports, if any.
     ///
     /// # Errors
-    /// If the announcement cannot be parsed.
+    /// If these cannot be parsed.
     fn line(&mut self, line: &str) -> Result<Option<FrameInfo>, String> {
         if let Some(complaint) = complaint(line) {
             self.complaint.get_or_insert(complaint);
@@ -181,7 +181,7 @@ fn complaint(line: &str) -> Option<String> {
     Some(text.to_owned())
 }
 
-/// Value that follows `key` in a line, up to the next space or comma.
+/// Returns the value that follows `key` in a line, up to the next space or comma.
 fn value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = line.split_once(key)?;
     let value = rest.split_ascii_whitespace().next()?;

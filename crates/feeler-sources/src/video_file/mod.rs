@@ -41,10 +41,10 @@ pub struct VideoFile {
     ffmpeg: Child,
     pixels: ChildStdout,
     infos: Receiver<FrameInfo>,
-    /// Reads ffmpeg's messages and returns its first complaint when ffmpeg has ended.
+    /// Thread that reads ffmpeg's messages. Returns the first report of damage when ffmpeg has ended.
     listener: Option<JoinHandle<Option<String>>>,
     complaint: Option<String>,
-    /// The next frame, if already announced.
+    /// Properties of the next frame, if already received from ffmpeg.
     next: Option<FrameInfo>,
     size: (usize, usize),
     rate: Option<f64>,
@@ -146,7 +146,8 @@ impl VideoFile {
         complaint.map(|what| format!("ffmpeg: {what}")).or(status)
     }
 
-    /// Error for the end of the video or for the damage that ends it. `torn` means in the middle of a frame.
+    /// Returns the error for the end of the video, or for the damage that ends it. `torn` is `true` if it ended in the
+    /// middle of a frame.
     fn end(&mut self, torn: bool) -> CameraError {
         let count = self.count;
         let problem = self.problem();

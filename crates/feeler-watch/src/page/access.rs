@@ -1,4 +1,4 @@
-//! Access control: requests need the secret token and must use the printed address.
+//! Access control: a request must contain the secret token and use the printed address.
 
 use axum::http::header::{HOST, ORIGIN};
 use axum::http::{HeaderMap, HeaderName, Method, Uri};
@@ -20,7 +20,7 @@ pub enum Refusal {
         "expected the address that feeler printed, at {expected}, got a request for the host {actual:?}"
     )]
     Host {
-        /// Hosts of the page.
+        /// Accepted hosts.
         expected: String,
         /// Host in the request.
         actual: String,
@@ -28,7 +28,7 @@ pub enum Refusal {
     /// The request was sent by another page.
     #[error("expected a request from the page at {expected}, got one from {actual:?}")]
     Origin {
-        /// Origins of the page.
+        /// Accepted origins.
         expected: String,
         /// Origin in the request.
         actual: String,
@@ -87,7 +87,7 @@ impl Address {
         })
     }
 
-    /// Checks a request and returns the resource that it asks to read.
+    /// Checks a request and returns the requested resource.
     ///
     /// # Errors
     /// If the host, origin or token is not the page's.
@@ -133,7 +133,7 @@ impl Address {
     }
 }
 
-/// Splits a path into the token and the rest.
+/// Splits a path into the token and the remaining path.
 fn split(path: &str) -> (&str, &str) {
     let path = path.strip_prefix('/').unwrap_or(path);
     path.split_once('/').unwrap_or((path, ""))

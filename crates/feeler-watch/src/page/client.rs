@@ -11,11 +11,11 @@ use std::time::Duration;
 use tokio::sync::watch::Receiver;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
-/// Interval at which a page is pinged to check that it has read what was sent.
+/// Interval at which a page is pinged to check that it has read the sent messages.
 const PING: Duration = Duration::from_secs(1);
-/// Number of unanswered pings from which only the last update is sent, so that a slow page misses rows.
+/// Number of unanswered pings at which only the latest update is sent, so that a slow page misses rows.
 const BEHIND: u64 = 2;
-/// Number of unanswered pings from which the page is considered gone.
+/// Number of unanswered pings at which the page is considered gone.
 const GONE: u64 = 6;
 /// Maximum time to send a message; after it, the connection is closed.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -32,7 +32,7 @@ pub struct Update {
     pub state: Utf8Bytes,
 }
 
-/// Serves one page until either side closes. Messages of the page are passed to `receive`.
+/// Serves one page until either side closes the connection. Messages from the page are passed to `receive`.
 pub async fn serve(socket: WebSocket, updates: Receiver<Update>, receive: impl Fn(PageMessage)) {
     let (sink, stream) = socket.split();
     let answered = AtomicU64::new(0);
@@ -53,7 +53,7 @@ pub async fn serve(socket: WebSocket, updates: Receiver<Update>, receive: impl F
     }
 }
 
-/// Reads the messages of a page. Invalid messages are ignored.
+/// Reads the messages from a page. Invalid messages are ignored.
 async fn listen(
     mut stream: SplitStream<WebSocket>,
     answered: &AtomicU64,
@@ -89,7 +89,7 @@ struct Outlet<'a> {
     state: Utf8Bytes,
 }
 
-/// Error for a page that no longer receives.
+/// Error if a page no longer receives.
 struct Disconnected;
 
 impl Outlet<'_> {
@@ -119,7 +119,7 @@ impl Outlet<'_> {
         Ok(())
     }
 
-    /// Number of unanswered pings. A page cannot answer pings that were not sent.
+    /// Returns the number of unanswered pings.
     fn waiting(&self) -> u64 {
         let answered = self.answered.load(Ordering::Relaxed);
         self.asked.saturating_sub(answered)
@@ -134,7 +134,7 @@ impl Outlet<'_> {
         self.send(Message::Ping(number)).await
     }
 
-    /// Sends the parts of `update` that changed.
+    /// Sends the changed parts of `update`.
     async fn show(&mut self, update: Update) -> Result<(), Disconnected> {
         if update.number != self.number {
             self.number = update.number;

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Block size in bytes.
 const BLOCK: u64 = 64 * 1024;
 
-/// Flag that part of a long response was sent.
+/// Flag that a part of a long response has been sent.
 #[derive(Debug, Clone, Default)]
 pub struct Progress(Arc<AtomicBool>);
 
@@ -22,7 +22,7 @@ impl Progress {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Returns `true` if there was progress since the last call.
+    /// Returns `true` if a part was sent since the last call.
     pub fn was_made(&self) -> bool {
         self.0.swap(false, Ordering::Relaxed)
     }

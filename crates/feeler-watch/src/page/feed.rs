@@ -1,4 +1,5 @@
-//! Exchange between a hand and its live pages: the latest moment in one direction, orders in the other. Neither blocks.
+//! Exchange between a hand and its live pages: the latest state of the hand in one direction, orders in the other.
+//! Neither side blocks.
 
 use feeler_record::Felt;
 use std::mem;
@@ -6,9 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
-/// Capacity of a moment's text in bytes.
+/// Capacity of the text of a [`Moment`] in bytes.
 const WORDS: usize = 512;
-/// Maximum time for which a page plays one row.
+/// Maximum time for which a page plays the rumble and tone of one row.
 const LONGEST_PLAYED: Duration = Duration::from_millis(100);
 
 /// State of the hand at one time. Its memory is allocated at construction.
@@ -16,17 +17,17 @@ const LONGEST_PLAYED: Duration = Duration::from_millis(100);
 pub struct Moment {
     /// Time (s), or NaN if unknown.
     pub time: f64,
-    /// Numbers of a row after its time; incomplete if no data has arrived.
+    /// Numbers of a row, without its time; incomplete if no data has arrived.
     pub numbers: Vec<f32>,
     /// Description of the hand's state.
     pub words: Words,
     /// `true` if the hand is stopped.
     pub stopped: bool,
-    /// `true` for the last moment.
+    /// `true` for the final state.
     pub over: bool,
 }
 
-/// Text of fixed capacity; what does not fit is cut off.
+/// Text of fixed capacity, at which longer text is cut off.
 #[derive(Debug, Clone)]
 pub struct Words(String);
 
@@ -54,10 +55,10 @@ impl std::fmt::Write for Words {
     }
 }
 
-/// Orders from live pages since the last query.
+/// Orders from live pages since the last call of [`Feed::orders`].
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Orders {
-    /// Source of a stop request, if any.
+    /// Source of a stop order, if any.
     pub stop: Option<String>,
     /// `true` if the hand must resume.
     pub resume: bool,
@@ -65,23 +66,23 @@ pub struct Orders {
 
 /// Exchange between a hand and its live pages.
 pub struct Feed {
-    /// Number of values in a row after its time.
+    /// Number of values in a row, without its time.
     width: usize,
-    /// `true` if a page waits for a moment.
+    /// `true` if a page has requested the next state.
     wanted: AtomicBool,
-    /// Latest moment, and whether it is unread.
+    /// Latest state, and `true` if it has not been read.
     newest: Mutex<(Moment, bool)>,
     /// `true` if there are orders.
     ordered: AtomicBool,
     orders: Mutex<Orders>,
-    /// `true` if `played` is unread.
+    /// `true` if `played` has not been read.
     was_played: AtomicBool,
     /// Latest report of rumble and tone, and the time of its arrival.
     played: Mutex<(Felt, Option<Instant>)>,
 }
 
 impl Feed {
-    /// Creates a feed for rows with `width` values after the time.
+    /// Creates a feed for rows with `width` values besides the time.
     pub fn new(width: usize) -> Self {
         let moment = Moment {
             time: f64::NAN,
@@ -102,12 +103,12 @@ impl Feed {
         }
     }
 
-    /// Number of values in a row after its time.
+    /// Number of values in a row, without its time.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Calls `fill` to update the latest moment, if one was requested and it is not being read.
+    /// Calls `fill` to update the latest state, if a page has requested one and the latest is not being read.
     pub fn offer(&self, fill: impl FnOnce(&mut Moment)) {
         if !self.wanted.load(Ordering::Relaxed) {
             return;
@@ -119,7 +120,7 @@ impl Feed {
         }
     }
 
-    /// Calls `fill` to write the final state of the page, even if no page has requested one.
+    /// Calls `fill` to write the final state, even if no page has requested one.
     pub fn offer_last(&self, fill: impl FnOnce(&mut Moment)) {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         fill(&mut newest.0);
@@ -127,12 +128,12 @@ impl Feed {
         newest.1 = true;
     }
 
-    /// Requests the next moment.
+    /// Requests the next state.
     pub fn want(&self) {
         self.wanted.store(true, Ordering::Relaxed);
     }
 
-    /// Calls `look` with the latest moment if it is unread. Returns `true` if it was.
+    /// Calls `look` with the latest state if it has not been read. Returns `true` if it did.
     pub fn take(&self, look: impl FnOnce(&Moment)) -> bool {
         let Some(mut newest) = free(&self.newest) else {
             return false;
@@ -167,7 +168,7 @@ impl Feed {
         self.was_played.store(true, Ordering::Release);
     }
 
-    /// Stores silence if the pages have not reported for longer than they play without new data.
+    /// Stores silence if the pages have not reported for longer than the time for which they play without new data.
     pub fn fade(&self) {
         let mut played = self.played.lock().unwrap_or_else(PoisonError::into_inner);
         let is_old = played.1.is_some_and(|at| at.elapsed() > LONGEST_PLAYED);
@@ -177,7 +178,8 @@ impl Feed {
         }
     }
 
-    /// Takes the latest rumble and tone, if it is unread. One being stored at this moment is returned by the next call.
+    /// Takes the latest rumble and tone, if they have not been read. Those that are being stored at present are
+    /// returned by the next call.
     pub fn felt(&self) -> Option<Felt> {
         if !self.was_played.load(Ordering::Acquire) {
             return None;
@@ -187,7 +189,7 @@ impl Feed {
         Some(played.0)
     }
 
-    /// Takes the orders since the last call. Orders being placed at this moment are returned by the next call.
+    /// Takes the orders since the last call. Orders that are being stored at present are returned by the next call.
     pub fn orders(&self) -> Orders {
         if !self.ordered.load(Ordering::Acquire) {
             return Orders::default();

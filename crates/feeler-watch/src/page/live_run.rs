@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::Arc;
 
-/// Name of the live page as source of a stop.
+/// Name under which the live page stops the hand.
 const BY: &str = "the live page";
 
 /// Live page of a simulated run.
@@ -54,8 +54,8 @@ impl LiveRun {
         })
     }
 
-    /// Offers the latest step of `control_loop` to the page and executes the page's orders. Returns what the page plays
-    /// to its watcher, if it has changed. Neither blocks nor allocates.
+    /// Offers the latest step of `control_loop` to the page and executes the page's orders. Returns the rumble and tone
+    /// that the page plays, if they have changed. Neither blocks nor allocates.
     pub fn step(
         &mut self,
         control_loop: &mut SimulatedLoop,
@@ -79,7 +79,7 @@ impl LiveRun {
         self.feed.felt().map(|felt| Felt { stamp, ..felt })
     }
 
-    /// Sends pages the last state of `control_loop` and how the run ended.
+    /// Sends the final state of `control_loop` and the end of the run to the pages.
     pub fn over(&mut self, control_loop: &SimulatedLoop, end: &RunEnd) {
         self.feed.offer_last(|moment| {
             if let Some(instruments) = &self.instruments {
@@ -91,7 +91,7 @@ impl LiveRun {
         });
     }
 
-    /// Waits up to two seconds until pages have received how the run ended, or that it `failed`.
+    /// Waits up to two seconds until pages have received the end of the run, or the error with which it `failed`.
     pub fn leave(self, failed: Option<&CommandError>) {
         if let Some(error) = failed {
             self.feed.offer_last(|moment| {
@@ -117,7 +117,7 @@ impl Run {
     }
 }
 
-/// Writes how a run ended.
+/// Writes the end of a run as text.
 fn write_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
     match (end.state, &end.reason) {
         (RunState::Done, _) => write!(moment.words, "The task is done."),

@@ -1,4 +1,4 @@
-//! A run, a recording or a rig in the browser.
+//! Shows a run, a recording or a rig in the browser.
 
 mod access;
 mod client;
@@ -20,7 +20,7 @@ pub use rig::serve_rig;
 /// Options of a page's server.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ServerOptions {
-    /// Port on this computer; 0 for any free one.
+    /// Port on this computer; 0 for any free port.
     pub port: u16,
     /// `true` to open the page in the default browser.
     pub open: bool,

@@ -1,4 +1,4 @@
-//! Sends the latest moment of a hand to all pages, 30 times per second.
+//! Sends the latest state of a hand to all pages, 30 times per second.
 
 use super::client::Update;
 use super::feed::{Feed, Moment};
@@ -11,10 +11,10 @@ use tokio::time::{MissedTickBehavior, interval, sleep};
 
 /// Time between two rows.
 const INTERVAL: Duration = Duration::from_nanos(1_000_000_000 / 30);
-/// Polling interval for new rows. The hand's thread must not spend time on waking another thread.
+/// Interval at which new rows are polled. The hand's thread must not spend time on waking another thread.
 const LOOK: Duration = Duration::from_millis(3);
 
-/// Sends the moments of `feed` to pages until the last one. `told` is the pages' latest order.
+/// Sends the states of `feed` to pages until the final one. `told` is the latest order from the pages.
 pub async fn pump(feed: &Feed, told: &Mutex<Option<PendingOrder>>, updates: &Sender<Update>) {
     let mut ticks = interval(INTERVAL);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Name of the page as source of a stop.
+/// Name under which the page stops the hand.
 const BY: &str = "the page of feeler view";
 /// Interval at which received messages and orders are processed.
 const INTERVAL: Duration = Duration::from_millis(10);
@@ -114,7 +114,7 @@ fn fill(moment: &mut Moment, rows: &mut LiveRows, watched: &WatchedRig) {
     }
 }
 
-/// Writes the current fault, or the phase of the hand.
+/// Writes the current fault, or the phase of the hand, as text.
 fn say(moment: &mut Moment, snapshot: &Snapshot) -> std::fmt::Result {
     let fault = snapshot.fault.as_ref().filter(|fault| !fault.over);
     match (fault, snapshot.task) {

@@ -34,7 +34,7 @@ const ASKING: Duration = Duration::from_secs(5);
 const ANSWERING: Duration = Duration::from_secs(60);
 /// Time to wait after a failed accept.
 const REST: Duration = Duration::from_millis(50);
-/// Maximum time to wait at the end for pages to read pending messages.
+/// Maximum time to wait for pages to read pending messages when the server stops.
 const FAREWELL: Duration = Duration::from_secs(2);
 
 /// Errors when starting the server.
@@ -83,7 +83,7 @@ impl PageListener {
         })
     }
 
-    /// Serves `page` and the moments of `feed`. Orders of the page are attributed to `by`.
+    /// Serves `page` and the states of `feed`. Orders from the page are sent in the name of `by`.
     ///
     /// # Errors
     /// If the thread cannot be started.
@@ -144,7 +144,7 @@ fn listen(port: u16) -> io::Result<TcpListener> {
     socket.listen(BACKLOG)
 }
 
-/// A running server. When dropped, it stops after pages have received the last moment of their feed, if any.
+/// A running server. When dropped, it stops after pages have received the final state of their feed, if any.
 pub struct Server {
     /// Dropped to stop the server.
     _closing: oneshot::Sender<()>,
@@ -152,7 +152,7 @@ pub struct Server {
 }
 
 impl Server {
-    /// Waits up to two seconds until pages have received the last moment of the feed.
+    /// Waits up to two seconds until pages have received the final state of the feed.
     pub fn wait_for_last(mut self) {
         if let Some(thread) = self.thread.take() {
             // The thread does not panic.
@@ -206,7 +206,7 @@ async fn accept(listener: TcpListener, site: &Arc<Site>) {
     }
 }
 
-/// Serves one connection until it closes or becomes a WebSocket.
+/// Serves one connection until it closes or is upgraded to a WebSocket.
 async fn serve(stream: TcpStream, router: Router) {
     // Rows are small and must arrive without delay.
     let _ = stream.set_nodelay(true);

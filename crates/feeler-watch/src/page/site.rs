@@ -32,25 +32,25 @@ pub struct Site {
     pub page: Bytes,
     /// Subject of the page.
     pub subject: Subject,
-    /// Permits for further pages.
+    /// Permits for opening further pages.
     pub pages: Arc<Semaphore>,
 }
 
 /// Subject of a page.
 pub enum Subject {
-    /// A recording in this file.
+    /// The recording in this file.
     Recording(PathBuf),
-    /// A hand at work.
+    /// A running hand.
     Live(Live),
 }
 
-/// A hand at work.
+/// A running hand.
 pub struct Live {
     /// Exchange with the hand.
     pub feed: Arc<Feed>,
-    /// Name to which orders of the pages are attributed.
+    /// Name in which orders from the pages are sent.
     pub by: &'static str,
-    /// Latest order of the pages.
+    /// Latest order from the pages.
     pub told: Mutex<Option<PendingOrder>>,
     /// Updates for the pages.
     pub updates: watch::Receiver<Update>,
@@ -136,7 +136,7 @@ async fn socket(site: Arc<Site>, request: Request) -> Response {
         })
 }
 
-/// Headers that prevent framing, caching and requests to other hosts.
+/// Returns headers that prevent framing, caching and requests to other hosts.
 fn guarded(address: &Address) -> HeaderMap {
     let sockets = address.hosts().map(|host| format!("ws://{host}")).join(" ");
     let policy = format!(

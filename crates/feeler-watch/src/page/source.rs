@@ -12,8 +12,8 @@ use std::sync::Arc;
 /// Number of rows that a page keeps: one minute.
 const KEEP: usize = 30 * 60;
 
-/// Serves the page of the rig with the given `rows` and prints its address. Orders of the page are attributed to `by`;
-/// `felt` is `true` if the rumble and tone that it plays are recorded.
+/// Serves the page of the rig with the given `rows` and prints its address. Orders from the page are sent in the name
+/// of `by`; `felt` is `true` if the rumble and tone that it plays are recorded.
 pub fn serve(
     title: &str,
     rows: &LiveRows,

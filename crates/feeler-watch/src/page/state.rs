@@ -15,7 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 pub enum Request {
     /// Stop the hand.
     Stop,
-    /// Let the hand resume.
+    /// Resume the hand.
     Resume,
 }
 
@@ -37,11 +37,11 @@ impl PageMessage {
     }
 }
 
-/// `LiveFelt` of the page.
+/// Rumble and tone as reported by the page: `LiveFelt` in `web/src/page_data.ts`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlayedFelt {
-    /// Time of the played row, or `None` if no row has been played.
+    /// Time of the row that is played, or `None` if no row has been played.
     time: Option<f64>,
     strong: f64,
     weak: f64,
@@ -49,7 +49,7 @@ struct PlayedFelt {
     gain: f64,
 }
 
-/// Highest frequency of a tone that is accepted (Hz).
+/// Maximum accepted frequency of a tone (Hz).
 const HIGHEST: f64 = 20e3;
 
 fn read_felt<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Felt, D::Error> {
@@ -89,7 +89,7 @@ pub struct PendingOrder {
 }
 
 impl PendingOrder {
-    /// Creates the record of an order received now.
+    /// Creates a record of an order received now.
     pub fn now(request: Request) -> Self {
         Self {
             request,

@@ -1,4 +1,4 @@
-//! Received data of a rig, restricted to live programs.
+//! Received data of a rig, restricted to programs that are still alive.
 
 use super::programs::warnings;
 use crate::snapshot::{Fault, UNKNOWN};
@@ -10,7 +10,7 @@ use feeler_link::messages::message::{
 };
 use glam::DVec3;
 
-/// Latest data from programs that are still alive; data from others is outdated.
+/// Latest data from programs that are still alive. Data from other programs is omitted as outdated.
 pub struct RigMessages<'a> {
     /// Messages received from the rig.
     pub inbox: &'a WatchInbox,
@@ -85,7 +85,8 @@ impl<'a> RigMessages<'a> {
         stopped.into_iter().chain(warnings).collect()
     }
 
-    /// Returns a fault that a program reports from before this program was watching.
+    /// Returns the latest fault that a program reports in its heartbeat, if any. It is marked as over, and its time is
+    /// unknown.
     pub fn said(&self) -> Option<Fault> {
         let peers = self.inbox.peers().all().iter();
         let mut said = peers.filter(|peer| peer.refused.is_none() && !peer.is_silent(self.now));
@@ -111,7 +112,7 @@ fn is_there(
         .any(|peer| (peer.heartbeat.instance, peer.heartbeat.finger) == (instance, finger))
 }
 
-/// Returns the values of a finger without data.
+/// Returns flags, forces and shear rates for a finger without data.
 pub fn nothing_felt(elements: usize) -> (FingerFlags, Vec<DVec3>, Vec<f64>) {
     let flags = FingerFlags {
         grasp_force: UNKNOWN,

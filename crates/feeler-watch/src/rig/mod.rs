@@ -1,4 +1,4 @@
-//! State of a rig of several programs, from the messages on its link.
+//! State of a rig of several programs, from the messages on its network.
 
 mod heard;
 mod programs;

@@ -1,4 +1,4 @@
-//! Programs of a rig and their problems, from heartbeats.
+//! Programs of a rig and their problems, from their heartbeats.
 
 use crate::snapshot::{Program, ProgramState, UNKNOWN};
 use feeler_link::inboxes::{Peer, Peers};

@@ -35,7 +35,7 @@ pub struct WatchedRig {
     inbox: Shared<WatchInbox>,
     clock: TimeSource,
     torque: History,
-    /// Instance of the program that the torque history belongs to.
+    /// Instance of the program whose torques the history contains.
     torque_of: Option<u64>,
     /// `true` once the hand has been found without faults.
     was_well: bool,
@@ -137,7 +137,7 @@ impl WatchedRig {
         self.inbox.wait_for(longest, is_new)
     }
 
-    /// Calls `look` with the latest data from live programs.
+    /// Calls `look` with the latest data from programs that are still alive.
     pub fn heard<T>(&self, look: impl FnOnce(&RigMessages) -> T) -> T {
         let inbox = self.inbox.lock();
         look(&RigMessages::new(&inbox, (self.clock)()))

@@ -1,4 +1,4 @@
-//! Key actions.
+//! Actions of the user by keys.
 
 use ratatui::crossterm::event::{Event, KeyCode, KeyEventKind, KeyModifiers};
 

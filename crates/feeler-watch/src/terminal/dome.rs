@@ -25,7 +25,7 @@ const MIN_COMPRESSION: f64 = 0.02;
 const MIN_SHEAR: f64 = 0.03;
 /// Maximum arrow length, as a fraction of the rim's radius: about the distance between rings.
 const LONGEST_ARROW: f64 = 0.4;
-/// Minimum arrow length, as a fraction of the maximum: the head must be outside the element's cell on most screens.
+/// Minimum arrow length, as a fraction of the maximum, so that the head is outside the element's cell on most screens.
 const SHORTEST_ARROW: f64 = 0.45;
 /// Arrow heads counter-clockwise from the right, 45 degrees apart.
 const ARROWS: [&str; 8] = ["→", "↗", "↑", "↖", "←", "↙", "↓", "↘"];
@@ -94,8 +94,8 @@ pub fn arrow_head(direction: DVec2) -> &'static str {
     ARROWS[eighth as usize % ARROWS.len()]
 }
 
-/// Returns the tangential part of `force` (in `E_i`) as seen along the axis of `T`. Its length is that along the
-/// dome, so that it is not foreshortened far from the apex. Returns zero if it is too small to be shown.
+/// Returns the tangential part of `force` (in `E_i`) as seen along the axis of `T`. It has its full length, without
+/// foreshortening far from the apex. Returns zero if it is too small to be shown.
 pub fn seen_shear(element: &SensingElement, force: glam::DVec3) -> DVec2 {
     let shear = force.xy();
     if !shear.is_finite() || shear.length() < MIN_SHEAR {

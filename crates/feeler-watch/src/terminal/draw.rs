@@ -10,9 +10,9 @@ use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::Line;
 
-/// Minimum height of a screen that shows torque and programs.
+/// Minimum height of a screen on which torque and programs are shown.
 const MIN_HEIGHT_OF_BAND: u16 = 16;
-/// Minimum width of a screen that shows torque next to the programs.
+/// Minimum width of a screen on which torque is shown next to the programs.
 const MIN_WIDTH_OF_TORQUE: u16 = 70;
 
 /// Draws `snapshot` on the whole of `frame`. Any size works; the layout is designed for 80 columns and 24 rows or

@@ -1,4 +1,4 @@
-//! List of the elements under the largest compression.
+//! List of the elements with the largest compression.
 
 use super::dome::{arrow_head, seen_shear};
 use super::palette::{ARROW, QUIET, SLIPPING, TITLE, heat, heat_scale};
@@ -12,15 +12,15 @@ use ratatui::text::{Line, Span, Text};
 
 /// Preferred width of the list.
 pub const WIDTH: u16 = 18;
-/// Minimum width that shows all three components.
+/// Minimum width at which all three components are shown.
 const WIDTH_OF_COMPONENTS: u16 = 29;
 /// Minimum compression of listed elements (N).
 const MIN_COMPRESSION: f64 = 0.02;
-/// Minimum height that shows the legend.
+/// Minimum height at which the legend is shown.
 const HEIGHT_OF_LEGEND: u16 = 14;
 
-/// Lists the elements of `finger` under the largest compression, as many as fit into `area`, with a legend of the
-/// dome next to it.
+/// Lists the elements of `finger` with the largest compression, as many as fit into `area`, with a legend of the dome
+/// next to it.
 pub fn draw_force_list(frame: &mut Frame, area: Rect, finger: &Finger) {
     if area.height < HEIGHT_OF_LEGEND {
         draw_forces(frame, area, finger);
@@ -72,7 +72,7 @@ fn draw_forces(frame: &mut Frame, area: Rect, finger: &Finger) {
     frame.render_widget(Text::from(lines), area);
 }
 
-/// Returns the `count` elements of largest compression, in descending order.
+/// Returns the `count` elements with the largest compression, in descending order.
 fn hardest_pressed(finger: &Finger, count: usize) -> Vec<usize> {
     let force = |&element: &usize| finger.forces[element].z;
     let elements = 0..finger.forces.len();

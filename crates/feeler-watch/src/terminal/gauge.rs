@@ -4,7 +4,7 @@ use super::palette::{MARK, QUIET};
 use ratatui::style::Style;
 use ratatui::text::Span;
 
-/// Cells filled to 0 … 7 eighths.
+/// Characters for cells filled to 0 … 7 eighths.
 const EIGHTHS: [char; 8] = ['·', '▏', '▎', '▍', '▌', '▋', '▊', '▉'];
 
 /// Returns a bar of `width` cells for `value` (at least 0) in `style`. Its range is 0 to twice `target`, which is

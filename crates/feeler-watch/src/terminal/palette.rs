@@ -1,40 +1,40 @@
-//! Colours from the common palette of 256 that are readable on black and on white.
+//! Colours of the 256-colour palette that are readable on black and on white.
 
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, BorderType};
 
-/// Colours from no load to the limit.
+/// Colours from zero force to the limit, as palette indices.
 const HEAT: [u8; 9] = [33, 37, 71, 106, 142, 178, 208, 202, 196];
 
-/// Unimportant information.
+/// Style of unimportant information.
 pub const QUIET: Style = Style::new().fg(Color::Indexed(244));
-/// Frames around panels.
+/// Style of the frames around panels.
 pub const FRAME: Style = Style::new().fg(Color::Indexed(240));
-/// Titles; differ in colour from the surrounding frame.
+/// Style of titles; their colour differs from that of the surrounding frame.
 pub const TITLE: Style = Style::new().fg(Color::Reset).add_modifier(Modifier::BOLD);
-/// Normal state.
+/// Style of a normal state.
 pub const GOOD: Style = Style::new().fg(Color::Indexed(71));
-/// Warning.
+/// Style of a warning.
 pub const WARNING: Style = Style::new().fg(Color::Indexed(178));
-/// Fault.
+/// Style of a fault.
 pub const BAD: Style = Style::new().fg(Color::Indexed(196));
-/// Target mark of a gauge.
+/// Style of the target mark of a gauge.
 pub const MARK: Style = Style::new().add_modifier(Modifier::BOLD);
-/// A plain quantity.
+/// Style of a quantity.
 pub const QUANTITY: Style = Style::new().fg(Color::Indexed(38));
-/// Arrow of a force.
+/// Style of the arrow of a force.
 pub const ARROW: Style = Style::new().fg(Color::Reset).add_modifier(Modifier::BOLD);
-/// Slipping element.
+/// Style of a slipping element.
 pub const SLIPPING: Style = Style::new().fg(Color::Indexed(170));
 
-/// Returns all colours of [`heat`], coolest first.
+/// Returns the styles of all colours of [`heat`], coolest first.
 pub fn heat_scale() -> impl Iterator<Item = Style> {
     HEAT.into_iter()
         .map(|color| Style::new().fg(Color::Indexed(color)))
 }
 
-/// Returns the colour of a fraction of a limit, from 0 to 1.
+/// Returns the style for a fraction of a limit, from 0 to 1.
 pub fn heat(part: f64) -> Style {
     let steps = HEAT.len() as f64;
     // NaN counts as 0.
@@ -50,8 +50,8 @@ pub fn panel(title: impl Into<String>) -> Block<'static> {
         .title_top(Line::styled(title.into(), TITLE))
 }
 
-/// Formats a label that is lit or not: in capitals on a background of `style`'s colour, or muted in lower case, so
-/// that the state is visible without colours.
+/// Formats a label that is active (`lit`) or not: in capitals on a background of `style`'s colour, or muted in lower
+/// case, so that the state is visible without colours.
 pub fn badge(word: &str, lit: bool, style: Style) -> Span<'static> {
     if lit {
         let lit = style.add_modifier(Modifier::REVERSED | Modifier::BOLD);

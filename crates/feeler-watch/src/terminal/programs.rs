@@ -9,7 +9,7 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Cell, Row, Table};
 
-/// Minimum width that shows versions.
+/// Minimum width at which versions are shown.
 const WIDTH_OF_VERSIONS: u16 = 60;
 
 /// Draws the table of programs, the number of programs that do not fit, and the number of messages that the view

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Name of the caller for stops by key.
+/// Name under which the hand is stopped by a key.
 const BY: &str = "the keyboard";
 
 /// Terminal view of a run.
@@ -26,21 +26,21 @@ pub struct Screen {
     run: RunState,
 }
 
-/// State of a run that is kept between steps.
+/// Data of a run that is kept between steps.
 struct RunState {
     config: ExperimentConfig,
     layouts: Vec<ElementLayout>,
     title: String,
-    /// Frames of each finger, or their equivalent with direct sensing.
+    /// Frame rate of each finger; with direct sensing, the rate of force samples.
     frames: Vec<RateMeter>,
-    /// Control steps.
+    /// Rate of control steps.
     steps: RateMeter,
     torque: History,
     fault: Option<Fault>,
     speed: Speedometer,
-    /// Number of steps that began later than the next one was due; `None` if steps are not tied to real time.
+    /// Number of steps that began after the next one was due; `None` if steps are not tied to real time.
     late: Option<u64>,
-    /// Angle of the cap (rad), if any.
+    /// Angle of the cap (rad), if the run has a cap.
     cap_angle: Option<f64>,
     newest_torque: f64,
 }
@@ -132,7 +132,7 @@ impl RunState {
         self.take_fault(control_loop, now);
     }
 
-    /// Registers a stop of the hand as a fault, which is over when the hand resumes.
+    /// Registers a stop of the hand as a fault, which is over once the hand resumes.
     fn take_fault(&mut self, control_loop: &SimulatedLoop, now: f64) {
         let reason = control_loop.controller().stop_reason();
         match (reason, &mut self.fault) {
@@ -193,7 +193,7 @@ impl RunState {
             .collect()
     }
 
-    /// Lists sensors, hand and rig, which share this process, as separate programs.
+    /// Lists the sensors, the hand and the rig, which share this process, as separate programs.
     fn programs(&self, control_loop: &SimulatedLoop) -> Vec<Program> {
         let now = control_loop.state().stamp;
         let sensors = self.frames.iter().zip(control_loop.touches()).enumerate();

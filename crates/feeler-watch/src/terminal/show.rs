@@ -1,4 +1,4 @@
-//! Shows a rig until the user quits, or once, and sends the orders of key presses.
+//! Shows a rig until the user quits, or once, and sends orders on key presses.
 
 use super::action::Action;
 use super::text::text;
@@ -14,13 +14,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Name of the caller for orders by key.
+/// Name in which orders are sent on key presses.
 const BY: &str = "the keyboard of feeler top";
-/// Interval between checks of received data and keys.
+/// Interval at which received data and keys are checked.
 const INTERVAL: Duration = Duration::from_millis(10);
 /// Maximum time to wait for a rig that is shown once.
 const LONGEST: Duration = Duration::from_secs(5);
-/// Time to collect data before it is shown once: heartbeats arrive ten times per second.
+/// Time to collect data before a single snapshot is shown: heartbeats arrive ten times per second.
 const LISTENING: Duration = Duration::from_secs(1);
 /// Columns and rows of the printed snapshot.
 const PRINTED: (u16, u16) = (120, 40);
@@ -29,7 +29,7 @@ const PRINTED: (u16, u16) = (120, 40);
 /// prints one snapshot as text to `out` instead.
 ///
 /// # Errors
-/// If there is no terminal, no program of the rig was received in time, or the network refuses to send or listen.
+/// If there is no terminal, no program of the rig was found in time, or the network refuses to send or listen.
 pub fn show_rig(
     experiment: &Experiment,
     rig: &str,

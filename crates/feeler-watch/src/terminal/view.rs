@@ -23,7 +23,7 @@ const FRAME_INTERVAL: Duration = Duration::from_nanos(1_000_000_000 / 30);
 /// Interval at which the drawing thread checks for work.
 const PATIENCE: Duration = Duration::from_millis(10);
 
-/// Maximum time to wait for a thread on closing.
+/// Maximum time to wait for the drawing thread when the view is closed.
 const FAREWELL: Duration = Duration::from_millis(500);
 
 /// `true` while the terminal shows the view. Global, because there is only one terminal.
@@ -35,7 +35,7 @@ pub enum ViewError {
     /// Input or output is not a terminal.
     #[error("{0} is not a terminal; run this program in a terminal, without redirection")]
     NoTerminal(&'static str),
-    /// The program is in the background: the system would halt it without a signal.
+    /// The program runs in the background of the terminal, where the system would suspend it.
     #[error(
         "this program is in the background of its terminal; run it in the foreground: without &, and with timeout --foreground"
     )]
@@ -82,8 +82,8 @@ impl View {
         Ok(())
     }
 
-    /// Takes over the terminal. `quit` is set when the user quits; if set elsewhere, it ends
-    /// [`wait_for_quit`](Self::wait_for_quit).
+    /// Switches the terminal to the view. `quit` is set when the user quits; if it is set by other code,
+    /// [`wait_for_quit`](Self::wait_for_quit) ends.
     ///
     /// # Errors
     /// If there is no terminal, or it cannot be used.
@@ -113,7 +113,7 @@ impl View {
         Ok(view)
     }
 
-    /// Shows the result of `snapshot`, unless the previous one is too recent. Does not wait for the terminal.
+    /// Shows the result of `snapshot`, unless the last one was drawn too recently. Does not wait for the terminal.
     pub fn show(&mut self, snapshot: impl FnOnce() -> Snapshot) {
         let now = Instant::now();
         if self.shown.is_some_and(|shown| now - shown < FRAME_INTERVAL) {
@@ -169,7 +169,7 @@ fn wait_for<T>(thread: Option<&JoinHandle<T>>) {
     }
 }
 
-/// Returns `true` if the terminal belongs to another program's process group.
+/// Returns `true` if the terminal's foreground process group is not that of this program.
 #[cfg(target_os = "linux")]
 fn is_in_background() -> bool {
     let foreground = rustix::termios::tcgetpgrp(stderr());
@@ -177,7 +177,7 @@ fn is_in_background() -> bool {
     foreground.is_ok_and(|foreground| foreground != rustix::process::getpgrp())
 }
 
-/// Returns `false`: unknown on this platform.
+/// Returns `false`, because this is unknown on this platform.
 #[cfg(not(target_os = "linux"))]
 fn is_in_background() -> bool {
     false

@@ -133,7 +133,7 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
         return picture
 
     def guide(self) -> NDArray[np.float64]:
-        """Returns the action that follows the task's plan."""
+        """Returns the action that executes the task's plan."""
         action = np.empty(self.action_space.shape or ())
         self._environment.guide(action)
         return action

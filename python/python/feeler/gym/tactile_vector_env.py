@@ -151,7 +151,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         return self._observations(), _view(rewards), _view(terminated), _view(truncated), infos
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
-        """Renders each scene, as :meth:`TactileEnv.render`."""
+        """Renders the scene of each environment, like :meth:`TactileEnv.render`."""
         if self.render_mode is None:
             return None
         pictures = np.empty((self.num_envs, *PICTURE_SHAPE), dtype=np.uint8)
@@ -160,7 +160,7 @@ class TactileVectorEnv(VectorEnv[Observation, FloatArray, NDArray[Any]]):
         return tuple(pictures)
 
     def guide(self) -> FloatArray:
-        """Returns the actions [num_envs, 3F] that follow the tasks' plans."""
+        """Returns the actions [num_envs, 3F] that execute the tasks' plans."""
         actions = np.empty(self.action_space.shape or ())
         self._environments.guide(actions)
         return actions

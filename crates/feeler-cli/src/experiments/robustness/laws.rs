@@ -18,7 +18,7 @@ const PAGE: &str = "laws.html";
 /// File name of the report's data as JSON.
 const JSON: &str = "laws.json";
 
-/// Runs the points of the design under each law, and reports the share on which each claim of any hand passes.
+/// Runs the points of the design with each law, and reports on which share of the hands each claim passes.
 pub fn side_by_side(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let mut contenders = contenders(&arguments.trial, &arguments.out, trials(arguments)?)?;
     let ended = run(&arguments.trial, &mut contenders)?;
@@ -44,7 +44,7 @@ pub fn side_by_side(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcom
     Ok(Outcome::Done)
 }
 
-/// Returns the trials of each law. They have the same design and seed, and therefore draw the same hands.
+/// Returns the trials of each law. All laws have the same design and seed, and therefore the same hands.
 fn trials(
     arguments: &Arguments,
 ) -> Result<Vec<(String, feeler::control::law::LawConfig, Trials)>, CommandError> {

@@ -85,7 +85,7 @@ impl EmulatedServo {
         Ok(())
     }
 
-    /// Reacts to a write to `address`.
+    /// Performs the actions that a write to `address` triggers.
     fn react(&mut self, address: usize) {
         let registers = self.registers();
         let is = |register: Register| address == usize::from(register.address);

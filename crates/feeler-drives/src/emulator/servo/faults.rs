@@ -30,7 +30,7 @@ impl EmulatedServo {
         self.silent_until = now + RESTART;
     }
 
-    /// Stops answering for good.
+    /// Stops answering permanently.
     pub(in crate::emulator) fn silence(&mut self) {
         self.silent_until = f64::INFINITY;
     }
@@ -45,14 +45,14 @@ impl EmulatedServo {
         self.supply = 31;
     }
 
-    /// Reports faults, on which a real servo switches its torque off.
+    /// Reports the fault bits `faults` and switches torque off, like a real servo.
     pub(in crate::emulator) fn break_down(&mut self, faults: u8) {
         let registers = self.registers();
         self.put(registers.fault, faults.into());
         self.put(registers.torque, 0);
     }
 
-    /// Stops the motor where it stands if the watchdog has expired at `now`, s.
+    /// Stops the motor at its present position if the watchdog has expired at `now`, s.
     pub(super) fn watch(&mut self, now: f64) {
         let registers = self.registers();
         let Some(register) = registers.watchdog else {

@@ -20,9 +20,9 @@ const HEATING: f64 = 20.0;
 const THERMAL_LAG: f64 = 60.0;
 /// Supply voltage, 0.1 V.
 const SUPPLY: i64 = 50;
-/// Maximum homing offset in the mode within a turn, counts; others are ignored.
+/// Maximum effective homing offset in single-turn position mode, counts; greater offsets are ignored.
 const QUARTER_TURN: f64 = 1024.0;
-/// Operating modes of Dynamixel servos that differ from the others in their rules.
+/// Operating modes of Dynamixel servos with special rules.
 mod mode {
     pub const CURRENT: i64 = 0;
     pub const WITHIN_A_TURN: i64 = 3;
@@ -51,7 +51,7 @@ pub struct EmulatedServo {
     silent_until: f64,
     temperature: f64,
     supply: i64,
-    /// Offset of the encoder's position, counts: turns that a restart has forgotten, and jumps.
+    /// Offset of the encoder's position, counts: turns lost by restarts, and injected jumps.
     pub(super) jump: i64,
     /// External torque on the horn, N m, in addition to the plant's.
     pub(super) load: f64,
@@ -59,7 +59,7 @@ pub struct EmulatedServo {
 }
 
 impl EmulatedServo {
-    /// Creates a servo in its delivery state: position mode, no torque.
+    /// Creates a servo in its factory state: position mode, torque off.
     pub fn new(id: u8, model: &'static Model) -> Self {
         let mut servo = Self {
             id,
@@ -169,8 +169,8 @@ impl EmulatedServo {
         self.table.get(address..address.checked_add(length)?)
     }
 
-    /// Position that the servo reports for the encoder's position in `counts`: with its offsets, and within a turn if its
-    /// positions wrap.
+    /// Position that the servo reports for the encoder's position in `counts`: offsets are added, and it is wrapped to
+    /// one turn if the servo's positions wrap.
     fn reported(&self, counts: f64) -> f64 {
         let registers = self.registers();
         let offset = self.get(registers.homing_offset) as f64;
@@ -183,7 +183,7 @@ impl EmulatedServo {
         }
     }
 
-    /// Sets the goals after switching on or a change of the mode.
+    /// Resets the goals after torque is switched on or the mode is changed.
     fn reset_goals(&mut self) {
         let registers = self.registers();
         self.put(registers.goal_velocity, 0);

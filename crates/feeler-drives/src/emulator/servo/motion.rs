@@ -29,7 +29,7 @@ impl EmulatedServo {
         }
     }
 
-    /// Action of the motor that the goals require with the horn at `angle`, rad, or `None` without torque.
+    /// Target that the goals set for the motor with the horn at `angle`, rad, or `None` without torque.
     pub(super) fn wish(&self, angle: f64) -> Option<Wish> {
         let registers = self.registers();
         if self.get(registers.torque) == 0 {
@@ -55,7 +55,7 @@ impl EmulatedServo {
         }
     }
 
-    /// Motion to the goal position with the horn at `angle`, rad. A Feetech servo keeps it within its limits, and does not
+    /// Motion to the goal position with the horn at `angle`, rad. A Feetech servo stays within its limits, and does not
     /// pass the position at which it wraps.
     fn to_goal(&self, angle: f64) -> Wish {
         let registers = self.registers();
@@ -81,7 +81,7 @@ impl EmulatedServo {
     }
 
     /// Moves the motor for `step` seconds with the horn in `motion` under `load`, N m against positive motion. Returns
-    /// the velocity that the horn approaches, rad/s.
+    /// the steady-state velocity of the horn, rad/s.
     pub(in crate::emulator) fn drive(&mut self, step: f64, motion: Motion, load: f64) -> f64 {
         let wish = self.wish(motion.angle);
         let limits = Limits {
@@ -97,8 +97,8 @@ impl EmulatedServo {
         velocity
     }
 
-    /// Reacts to a persistent overload. A Dynamixel switches its torque off, if its shutdown register contains this fault.
-    /// A Feetech servo limits it until torque is switched on again.
+    /// Reacts to a persistent overload. A Dynamixel switches its torque off, if its shutdown register contains this
+    /// fault. A Feetech servo limits its current until torque is switched on again.
     fn overload(&mut self) {
         let registers = self.registers();
         let fault = self.get(registers.fault);

@@ -69,7 +69,7 @@ impl Folder {
         self.pictures += pictures;
     }
 
-    /// Saves an image, and appends a row of its file name followed by `values`.
+    /// Saves an image, and appends a row with its file name and `values`.
     pub fn add(&mut self, picture: &Picture, values: &str) -> Result<(), CommandError> {
         let name = self.save(picture)?;
         // A single write, so that only a crash of the system can tear the row.

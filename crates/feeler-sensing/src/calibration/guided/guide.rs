@@ -23,7 +23,7 @@ pub struct Guide<'a> {
     model: ModelChoice,
     complete: usize,
     seen: Seen,
-    /// Samples of each element in this session, to estimate its fit.
+    /// Samples of each element in this session, to estimate the error of its calibration.
     records: Vec<ElementRecord>,
     /// Element whose error was estimated last, and its root mean square error along x, y, z (N).
     error: Option<(usize, DVec3)>,

@@ -45,7 +45,7 @@ pub enum Procedure {
     Elements(Goal, ModelChoice),
     /// Load the whole fingertip up to the goal.
     Whole(Goal),
-    /// Press the whole fingertip a number of times with about a force (N).
+    /// Press the whole fingertip this number of times with about this force (N).
     Presses(f64, u32),
 }
 
@@ -168,7 +168,7 @@ struct Guided<'a> {
     began: Instant,
     /// Time at which the camera's stamps were 0, if they are times of exposure.
     exposed_since: Option<Instant>,
-    /// Images that wait for the forces at their time.
+    /// Time (s) and frame of each image whose forces have not arrived yet.
     waiting: VecDeque<(f64, Frame)>,
     moments: Vec<ElementMoments>,
     work: Box<dyn Work + 'a>,

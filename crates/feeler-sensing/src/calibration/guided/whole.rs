@@ -23,7 +23,7 @@ pub struct Whole<'a> {
     seen: SeenWrench,
     /// Name of this session's recording in the table.
     recording: String,
-    /// Samples of this session, to estimate the fit; the round of the last estimate, and its result.
+    /// Samples of this session, from which the errors are estimated after each round, with the latest estimate.
     samples: Vec<WrenchSample>,
     round: u32,
     errors: Option<String>,

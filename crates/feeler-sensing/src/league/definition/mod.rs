@@ -1,11 +1,11 @@
-//! Definitions of sets: TOML files that state where data come from, how to read and split them, and published figures.
+//! Definitions of data sets: TOML files with the origin, format and split of the data, and published results.
 
 mod check;
 
 use serde::Deserialize;
 use std::path::PathBuf;
 
-/// Error of a definition.
+/// Error in a definition.
 #[derive(Debug, thiserror::Error)]
 pub enum DefinitionError {
     /// The text is not a definition.
@@ -23,7 +23,7 @@ pub enum DefinitionError {
     },
 }
 
-/// Definition of a set.
+/// Definition of a data set.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Definition {
@@ -32,10 +32,10 @@ pub struct Definition {
     pub name: String,
     /// Description in one line.
     pub title: String,
-    /// Folder of the data, relative to the file; of a built-in set, to the data folder.
+    /// Folder of the data, relative to the file; for a built-in set, relative to the data folder.
     #[serde(default)]
     pub folder: PathBuf,
-    /// Origin of the data, with their version.
+    /// Origin and version of the data.
     pub source: String,
     /// Licence of the data.
     pub licence: String,
@@ -48,7 +48,7 @@ pub struct Definition {
     pub slip: Option<SlipData>,
     /// Recordings with measured values.
     pub values: Option<ValuesData>,
-    /// Published figures.
+    /// Published results.
     #[serde(default)]
     pub published: Vec<Published>,
 }
@@ -57,7 +57,8 @@ pub struct Definition {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(tag = "by", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Split {
-    /// Whole groups are left out: sorted by name, group k is in fold k modulo `folds`. At most as many folds as groups.
+    /// Whole groups are left out: the k-th group by name is tested in fold k modulo `folds`. `folds` is at most the
+    /// number of groups.
     Group {
         /// Number of folds.
         folds: usize,
@@ -78,7 +79,7 @@ pub enum Split {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlipData {
-    /// File or folder of the recordings; by default the folder of the set.
+    /// File or folder of the recordings; by default the folder of the data set.
     #[serde(default)]
     pub recordings: PathBuf,
     /// Table of labels.
@@ -88,16 +89,16 @@ pub struct SlipData {
     /// Prefixes of the columns of each array.
     #[serde(default)]
     pub prefixes: Vec<String>,
-    /// Column whose value changes where another recording begins.
+    /// Column whose value changes where the next recording begins.
     pub sequence: Option<String>,
     /// Names of the tables in each recording's folder.
     #[serde(default)]
     pub tables: Vec<String>,
     /// Layout of markers.
     pub layout: Option<PathBuf>,
-    /// Frames per second, in place of any time column.
+    /// Frames per second, overriding any time column.
     pub rate: Option<f64>,
-    /// `true` if recordings begin untouched.
+    /// `true` if recordings begin without contact.
     #[serde(default)]
     pub untouched: bool,
     /// Column of the labels that groups recordings.
@@ -117,7 +118,7 @@ fn yes() -> bool {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ValuesData {
-    /// Error that is reported.
+    /// Error metric of the results.
     pub metric: ErrorMetric,
     /// The measured values.
     pub targets: Vec<Target>,
@@ -160,7 +161,7 @@ pub struct Target {
     /// Factor from the column's unit to [`unit`](Self::unit).
     #[serde(default = "one")]
     pub factor: f64,
-    /// Smaller numbers in the column mean that nothing was measured.
+    /// Minimum valid number in the column; a smaller one means that nothing was measured.
     pub at_least: Option<f64>,
 }
 
@@ -176,13 +177,13 @@ pub struct TaxelData {
     pub layout: Layout,
     /// Prefix of the array's columns.
     pub prefix: Option<String>,
-    /// Names of the tables; `*` is any text, and names the recording.
+    /// File name of the tables; `*` matches any text, which is the name of the recording.
     pub tables: String,
-    /// Name of the table of measured values; `*` is the same text.
+    /// File name of the table of measured values; `*` matches the same text.
     pub targets: String,
-    /// Column of the time (s) in the table of measured values, on the clock of the taxels.
+    /// Time column (s) of the table of measured values, on the clock of the taxels.
     pub time: String,
-    /// All columns of the tables of measured values, if they have no header.
+    /// Names of all columns of the tables of measured values, if the tables have no header.
     pub without_header: Option<Vec<String>>,
 }
 
@@ -224,7 +225,7 @@ pub enum Reference {
     Files(Vec<PathBuf>),
 }
 
-/// A published figure.
+/// A published result.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
@@ -232,7 +233,7 @@ pub struct Published {
     pub metric: String,
     /// Value with its unit.
     pub value: String,
-    /// Source, and its split if that differs.
+    /// Source, and the split used if it differs from this one.
     pub source: String,
 }
 

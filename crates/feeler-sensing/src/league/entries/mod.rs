@@ -1,4 +1,4 @@
-//! Entries of the league.
+//! Entries of the league: programs, detectors and calibrations that are scored.
 
 mod order;
 mod program;
@@ -14,21 +14,21 @@ use super::definition::Target;
 use feeler_lab::grasps::DETECTORS;
 use std::time::Duration;
 
-/// An entry.
+/// An entry of the league.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Entry {
     /// Always the same answer: the more frequent label, or the mean of the training values.
     Constant,
     /// A slip detector of feeler: its index in `DETECTORS`.
     Detector(usize),
-    /// Ridge regression, with products of all values or without.
+    /// Ridge regression on all values, with or without their products.
     Ridge {
         /// `true` if products are used.
         products: bool,
     },
-    /// feeler's wrench calibration.
+    /// The wrench calibration of feeler.
     Wrench,
-    /// A program of the user.
+    /// A user's program.
     Program {
         /// Name in results.
         name: String,
@@ -38,7 +38,8 @@ pub enum Entry {
 }
 
 impl Entry {
-    /// Entries for sets labelled with slip (`true`) or with measured values, followed by `programs`.
+    /// Returns the built-in entries for data sets labelled with slip (`true`) or with measured values, followed by
+    /// `programs`.
     pub fn all(slip: bool, programs: &[Self]) -> Vec<Self> {
         let mut entries = vec![Self::Constant];
         match slip {
@@ -78,15 +79,15 @@ impl Entry {
     }
 }
 
-/// Predictions of an entry for each fold.
+/// Answers of an entry.
 pub enum Answers {
-    /// For each fold and test piece, rows of targets or of slip.
+    /// Predicted targets or slip of each row, for each fold and test piece.
     Rows(Vec<Predictions>),
-    /// Scores of the labelled recordings or rows, for which a threshold is chosen.
+    /// Scores of the labelled recordings or rows; a threshold is chosen later.
     Scores(Vec<Option<f64>>),
 }
 
-/// A set prepared for the entries: data, folds and targets.
+/// A data set prepared for the entries: data, folds and targets.
 pub struct Task<'a> {
     pub name: &'a str,
     pub set: &'a SetData,
@@ -202,7 +203,7 @@ impl Task<'_> {
     }
 }
 
-/// Mean of each target, without unknown ones.
+/// Mean of each target, ignoring unknown values.
 fn mean(targets: &[&[f64]]) -> Vec<f64> {
     let count = targets.first().map_or(0, |targets| targets.len());
     let of_target = |target: usize| {

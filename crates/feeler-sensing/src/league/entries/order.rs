@@ -5,8 +5,8 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 
-/// Order in which the pieces of a fold are sent, and identifiers of recordings and groups. Names and order of recordings
-/// may reveal labels, so both are drawn, the same for the same data.
+/// Order in which recordings are sent to a program, and their identifiers. The original names and order may reveal
+/// labels, so both are random, with a seed that depends only on the data.
 pub struct Order {
     pub train: Vec<Piece>,
     /// Indices of the test pieces in the fold, in the order in which they are sent.
@@ -17,7 +17,7 @@ pub struct Order {
 }
 
 impl Order {
-    /// Draws the order of a fold. Pieces with values stay in order of time.
+    /// Draws the order of a fold. Pieces of the same recording stay in order of time.
     pub fn of(set: &SetData, fold: &Fold) -> Self {
         let mut random = Pcg64::seed_from_u64(set.recordings.len() as u64);
         let mut drawn = |count: usize| {

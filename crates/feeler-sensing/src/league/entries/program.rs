@@ -1,4 +1,4 @@
-//! Entry: a program that reads a set on standard input and answers on standard output.
+//! Entry: a program that reads a data set on standard input and answers on standard output.
 
 use super::order::Order;
 use super::protocol::Question;
@@ -20,31 +20,31 @@ const GRACE: Duration = Duration::from_secs(2);
 /// Error of a program.
 #[derive(Debug, thiserror::Error)]
 pub enum ProgramError {
-    /// It cannot be started.
+    /// The program cannot be started.
     #[error("cannot be started: {0}")]
     Start(#[from] io::Error),
-    /// It ended early.
+    /// The program ended early.
     #[error("ended ({status}) after {answered} of {expected} answers{stderr}")]
     Ended {
         /// Exit status.
         status: String,
-        /// Number of answers before.
+        /// Number of answers before the end.
         answered: usize,
-        /// Number of answers to give.
+        /// Expected number of answers.
         expected: usize,
-        /// End of standard error.
+        /// Last part of its standard error.
         stderr: String,
     },
-    /// It took too long.
+    /// The program exceeded the time limit.
     #[error(
         "gave {answered} of {expected} answers within the limit of {seconds} s for the set; raise --time-limit"
     )]
     TimedOut {
-        /// Number of answers before.
+        /// Number of answers before the limit.
         answered: usize,
-        /// Number of answers to give.
+        /// Expected number of answers.
         expected: usize,
-        /// The limit, s.
+        /// Time limit (s).
         seconds: u64,
     },
     /// An answer is invalid.
@@ -57,7 +57,7 @@ pub enum ProgramError {
     },
 }
 
-/// Predictions: values of each row of each piece.
+/// Predicted values by piece, row and target.
 pub type Predictions = Vec<Vec<Vec<f64>>>;
 
 /// Runs `command` in the system's shell, in a new process for each fold, and returns its answers by fold and
@@ -182,7 +182,7 @@ impl Running {
         Ok(Self(child))
     }
 
-    /// Exit status in words, after a short wait.
+    /// Returns the exit status as text, after a short wait.
     fn status(&mut self) -> String {
         let end = Instant::now() + GRACE;
         loop {
@@ -208,8 +208,8 @@ fn lock_groups() -> MutexGuard<'static, Vec<u32>> {
     GROUPS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Kills all running programs with their child processes; on Unix only. Starting or dropping a program blocks afterwards;
-/// call it only before the process ends.
+/// Kills all running programs with their child processes; on Unix only. Starting or dropping a program blocks
+/// afterwards; call this only before the process ends.
 pub fn end_programs() {
     let groups = lock_groups();
     groups.iter().copied().for_each(kill_group);
@@ -249,7 +249,7 @@ fn lines_of(stdout: ChildStdout, longest: usize) -> Receiver<Vec<u8>> {
     receiver
 }
 
-/// Reads standard error on a background thread, and sends its end when it is closed.
+/// Reads standard error on a background thread, and sends its last part when it is closed.
 fn last_of(stderr: ChildStderr) -> Receiver<Vec<u8>> {
     let (sender, receiver) = channel();
     thread::spawn(move || {
@@ -265,7 +265,7 @@ fn last_of(stderr: ChildStderr) -> Receiver<Vec<u8>> {
     receiver
 }
 
-/// End of standard error, after a colon.
+/// Formats the last part of standard error, after a colon.
 fn shown(errors: Receiver<Vec<u8>>) -> String {
     let last = errors.recv_timeout(GRACE).unwrap_or_default();
     let last = String::from_utf8_lossy(&last);

@@ -1,4 +1,4 @@
-//! Messages of the league to a program and back: one JSON object a line (docs/league.md).
+//! Messages between the league and a program: one JSON object per line (docs/league.md).
 
 use super::order::Order;
 use crate::league::data::{Fold, Piece, SetData, Truth};
@@ -8,7 +8,7 @@ use std::io::Write;
 
 /// Version of the messages.
 const VERSION: u32 = 1;
-/// Maximum length of a line of answers, plus that of each number (bytes).
+/// Maximum length of an answer (bytes) in addition to its numbers, and maximum length of each number.
 const LINE: usize = 4096;
 const NUMBER: usize = 64;
 /// Maximum number of characters of a wrong answer that are shown.
@@ -39,7 +39,7 @@ struct Named<'a> {
     unit: &'a str,
 }
 
-/// A line for a piece of a recording. Training lines contain the truth.
+/// A piece of a recording, sent as one line. Lines for training contain the truth.
 #[derive(Serialize)]
 struct Sample<'a> {
     sample: usize,
@@ -62,7 +62,7 @@ enum Labels<'a> {
     Rows(&'a [Option<bool>]),
 }
 
-/// A line from a program.
+/// An answer of a program: one line.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Answer {
@@ -78,14 +78,14 @@ enum Numbers {
     Rows(Vec<f64>),
 }
 
-/// A fold of a set for a program.
+/// A fold of a data set, as sent to a program.
 pub struct Question<'a> {
     pub name: &'a str,
     pub set: &'a SetData,
     pub targets: &'a [Target],
     pub fold: &'a Fold,
     pub order: &'a Order,
-    /// Index of the fold and number of folds.
+    /// Index of the fold, and number of folds.
     pub number: (usize, usize),
 }
 
@@ -161,8 +161,8 @@ impl Question<'_> {
         LINE + NUMBER * rows.unwrap_or(0) * self.targets.len().max(1)
     }
 
-    /// Parses the answer `text` to test piece `number`, in the order in which they are sent: rows of numbers, or one row
-    /// for a whole recording.
+    /// Parses `text`, the answer to the test piece with this `number` in the order of sending: rows of numbers, or one
+    /// row for a whole recording.
     ///
     /// # Errors
     /// Returns what was expected if the answer is something else.

@@ -9,7 +9,7 @@ use feeler::sensor::wrench::taxels::{Memory, TaxelBasis, TaxelInput, TaxelSeries
 use feeler::sensor::wrench::{AXES, EstimatorOf, SampleOf, WrenchAxis, WrenchError, fit};
 use glam::{DVec2, DVec3};
 
-/// Components of a wrench that stand for the targets called `names`: those of the same name, or else other ones.
+/// Assigns a wrench component to each of the targets `names`: the one of the same name, or else an unused one.
 fn axes(names: &[&str]) -> Vec<WrenchAxis> {
     let same = |name: &str| WrenchAxis::ALL.into_iter().find(|axis| axis.name() == name);
     let mut free = WrenchAxis::ALL
@@ -21,14 +21,14 @@ fn axes(names: &[&str]) -> Vec<WrenchAxis> {
     axes.collect()
 }
 
-/// Measurements of a set in the form that a calibration requires.
+/// Measurements of a data set in the form that a calibration requires.
 pub enum Inputs {
     Taxels(Vec<Vec<TaxelInput>>),
     Images(Vec<Vec<Vec<Option<ElementMoments>>>>),
 }
 
 impl Inputs {
-    /// Converts all rows of a set.
+    /// Converts all rows of a data set.
     pub fn of(set: &SetData) -> Self {
         let recordings = set.recordings.iter();
         match set.columns {
@@ -46,7 +46,7 @@ impl Inputs {
         }
     }
 
-    /// Predicts the targets called `names` in the test rows of a fold; NaN where the calibration gives no value.
+    /// Predicts the targets `names` in the test rows of a fold; NaN if the calibration returns no value.
     ///
     /// # Errors
     /// If the calibration cannot be fitted.
@@ -103,7 +103,7 @@ where
     Ok(pieces.collect())
 }
 
-/// Samples of the rows of a piece in which anything was measured.
+/// Returns the samples of the rows of a piece in which any target was measured.
 fn samples<B: Basis>(
     inputs: &[Vec<B::Input>],
     set: &SetData,
@@ -134,7 +134,7 @@ where
     rows.map(sample).collect()
 }
 
-/// Readings of taxels with their filters.
+/// Converts rows to taxel readings, filtered as the calibration requires.
 fn taxel_inputs(recording: &Recording) -> Vec<TaxelInput> {
     let taxels = recording.rows.first().map_or(0, |row| row.len() / 3);
     let mut memory = Memory::new(taxels);
@@ -153,7 +153,7 @@ fn taxel_inputs(recording: &Recording) -> Vec<TaxelInput> {
     series.inputs
 }
 
-/// Moments of the elements in a row of displacements, or of gray values and centroids.
+/// Converts a row of displacements, or of gray values and centroids, to the moments of the elements.
 fn moments(row: &[f64], columns: usize) -> Vec<Option<ElementMoments>> {
     let moments = row.chunks_exact(columns).map(|values| {
         let (integrated_gray, centroid) = match *values {

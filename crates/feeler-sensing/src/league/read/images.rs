@@ -1,4 +1,4 @@
-//! Reads sets of images with measured values.
+//! Reads data sets of images with measured values.
 
 use super::targets::read_targets;
 use crate::league::data::{Recording, SetData, Truth};
@@ -24,7 +24,7 @@ const MOMENTS: &[&str] = &["gray", "x", "y"];
 /// Number of images that are processed as one unit of work.
 const CHUNK: usize = 16;
 
-/// Reads a set in `folder`. Adds the files to `files`.
+/// Reads the data set in `folder`. Adds the files to `files`.
 ///
 /// # Errors
 /// If the table or the reference cannot be read, or no image can.
@@ -141,7 +141,7 @@ impl Elements {
         Ok(Self::Moments(Box::new((chain, readings))))
     }
 
-    /// Values of all elements in each image, or the error of an image.
+    /// Returns the values of all elements in each image, or the error of an image.
     fn of_all(&mut self, paths: &[PathBuf]) -> Vec<Result<Vec<f64>, String>> {
         let of = |path: &PathBuf| {
             let picture = picture(path)?;
@@ -151,7 +151,7 @@ impl Elements {
         paths.iter().map(of).collect()
     }
 
-    /// Values of all elements in an image; NaN if a marker is lost, or an element is dark or saturated.
+    /// Returns the values of all elements in an image; NaN if a marker is lost, or an element is dark or saturated.
     fn of(&mut self, picture: &Picture) -> Result<Vec<f64>, String> {
         match self {
             Self::Tracked(tracker) => {

@@ -1,4 +1,4 @@
-//! Reads the data of sets.
+//! Reads data sets.
 
 mod images;
 mod slip;
@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Reads a set whose data are in `folder`.
+/// Reads the data set in `folder`.
 ///
 /// # Errors
 /// If a file cannot be read.

@@ -1,4 +1,4 @@
-//! Reads sets of recordings labelled with slip.
+//! Reads data sets of recordings labelled with slip.
 
 use crate::league::data::{Recording, SetData, Slip, Truth};
 use crate::league::definition::SlipData;
@@ -8,7 +8,7 @@ use feeler_lab::grasps::ContactReference;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 
-/// Reads a set in `folder`, and applies feeler's slip detectors. Adds the files to `files`.
+/// Reads the data set in `folder`, and applies feeler's slip detectors. Adds the files to `files`.
 ///
 /// # Errors
 /// If no labelled recording can be read.

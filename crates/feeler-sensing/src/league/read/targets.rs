@@ -9,7 +9,7 @@ use std::path::Path;
 /// Rows of a table of measured values.
 #[derive(Debug, Default)]
 pub struct Measured {
-    /// Content of the key column of each row.
+    /// Value of the key column of each row.
     pub keys: Vec<String>,
     /// Targets of each row; NaN if not measured.
     pub values: Vec<Vec<f64>>,
@@ -17,8 +17,8 @@ pub struct Measured {
     pub skipped: usize,
 }
 
-/// Reads the columns of `targets` and the column `key` from the table at `path`. `without_header` are all columns of a
-/// table without a header.
+/// Reads the columns of `targets` and the column `key` from the table at `path`. `without_header` contains the names of
+/// all columns if the table has no header.
 ///
 /// # Errors
 /// If the table cannot be read or a column is missing.

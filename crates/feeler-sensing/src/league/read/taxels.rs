@@ -1,4 +1,4 @@
-//! Reads sets of taxel arrays with measured values.
+//! Reads data sets of taxel arrays with measured values.
 
 use super::targets::{Measured, read_targets};
 use crate::league::data::{Recording, SetData, Truth};
@@ -11,7 +11,7 @@ use feeler_console::{CommandError, open_table};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Reads a set in `folder`. Adds the files to `files`.
+/// Reads the data set in `folder`. Adds the files to `files`.
 ///
 /// # Errors
 /// If there is no recording, or a file cannot be read.
@@ -76,7 +76,8 @@ fn layout(data: &TaxelData, folder: &Path) -> Result<TaxelLayout, CommandError> 
     Ok(layout)
 }
 
-/// Texts that replace the `*` of `pattern` in names of files of `folder`, sorted. Without `*`, the name itself.
+/// Returns the texts that replace the `*` of `pattern` in the names of files in `folder`, sorted. Without `*`, returns
+/// the name itself.
 fn matching(folder: &Path, pattern: &str) -> Result<Vec<String>, CommandError> {
     let Some((start, end)) = pattern.split_once('*') else {
         return Ok(vec![pattern.to_owned()]);

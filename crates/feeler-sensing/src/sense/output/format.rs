@@ -10,11 +10,11 @@ use feeler_record::{Image, MessageSink, SensedWriter, topics};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Kind of output data. Converts frames to rows or messages.
+/// An output format for one kind of data, which converts frames to rows or messages.
 pub trait Format: Send {
-    /// Names of the columns of a table, without that of the sequence.
+    /// Returns the column names of a table, without the sequence column.
     fn columns(&self) -> Vec<&'static str>;
-    /// Returns `true` if each row names its sequence.
+    /// Returns `true` if each row contains the name of its sequence.
     fn names_sequences(&self) -> bool {
         false
     }
@@ -35,7 +35,7 @@ pub trait Format: Send {
         writer: &mut SensedWriter,
     ) -> Result<(), CommandError>;
 
-    /// Starts a sequence: later frames are independent of earlier ones.
+    /// Starts a new sequence: later frames are independent of earlier ones.
     fn begin_sequence(&mut self) {}
     /// Returns a warning about the written data, if any.
     fn warning(&self) -> Option<String> {
@@ -84,7 +84,7 @@ impl Output for Rows {
 /// ROS 2 messages in an MCAP file.
 struct Mcap {
     writer: SensedWriter,
-    /// Finger and buffer of recorded images, or `None` if images are not recorded.
+    /// Finger and buffer of the recorded images, or `None` if images are not recorded.
     pictures: Option<(usize, Image)>,
     format: Box<dyn Format>,
 }

@@ -34,13 +34,13 @@ pub trait Output: Send {
     fn write_picture(&mut self, _frame: &Frame) -> Result<(), CommandError> {
         Ok(())
     }
-    /// Starts a sequence of this name: later frames are independent of earlier ones.
+    /// Starts a new sequence with this name: later frames are independent of earlier ones.
     fn begin_sequence(&mut self, _name: &str) -> Result<(), CommandError> {
         Ok(())
     }
-    /// Writes buffered data to the file, except in formats whose files this would enlarge.
+    /// Writes buffered data to the file, except in formats in which each flush enlarges the file.
     fn flush(&mut self) -> Result<(), CommandError>;
-    /// Writes all buffered data to the file.
+    /// Writes all buffered data to the file, in any format.
     fn settle(&mut self) -> Result<(), CommandError> {
         self.flush()
     }
@@ -48,14 +48,14 @@ pub trait Output: Send {
     fn warning(&self) -> Option<String> {
         None
     }
-    /// Writes the end of the output and returns the path of the partial file that remains, if any. If `whole` is
-    /// `false`, the output is marked as partial.
+    /// Completes the output, or marks it as partial if `whole` is `false`. Returns the path of the partial file that
+    /// remains, if any.
     fn finish(mut self: Box<Self>, _whole: bool) -> Result<Option<PathBuf>, CommandError> {
         self.flush().map(|()| None)
     }
 }
 
-/// Adds the path of the remaining partial file to an error.
+/// Appends the path of the remaining partial file to an error.
 pub fn partial(error: &CommandError, part: &Path) -> CommandError {
     format!("{error}; {} is partial", part.display()).into()
 }

@@ -19,7 +19,7 @@ pub struct ImageFormat {
     pub pictures: Option<usize>,
 }
 
-/// One element in one frame as written; missing values are empty.
+/// Columns of one element in one frame; missing values are empty.
 #[derive(Serialize)]
 struct Row {
     frame: u64,
@@ -39,7 +39,7 @@ pub struct ForceRow {
 }
 
 impl ForceRow {
-    /// Creates the columns for the force of a reading.
+    /// Creates the force columns of a reading.
     pub fn of(reading: &ElementReading) -> Self {
         Self {
             f_x: reading.force.map(|f| f.x),

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Maximum age of a buffered row when the next row is written.
 const PROMPT: Duration = Duration::from_secs(1);
 
-/// Passes on all rows older than [`PROMPT`], to limit the loss if the program is killed.
+/// Flushes rows older than [`PROMPT`] to the wrapped output, to limit the loss if the program is killed.
 pub struct MaxAgeFlush {
     output: Box<dyn Output>,
     settled: Instant,

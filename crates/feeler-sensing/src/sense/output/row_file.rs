@@ -11,7 +11,7 @@ pub type TextWriter = Box<dyn Write + Send>;
 /// A writer of rows in one of two formats.
 pub struct RowFile {
     writer: Writer,
-    /// Name of the current sequence, if the first column names sequences.
+    /// Name of the current sequence, if rows contain it.
     sequence: Option<String>,
 }
 
@@ -22,7 +22,7 @@ enum Writer {
     JsonLines(WholeRows<TextWriter>),
 }
 
-/// A row with the name of its sequence.
+/// A row and the name of its sequence.
 #[derive(Serialize)]
 struct Sequenced<'a, T> {
     sequence: &'a str,
@@ -48,7 +48,7 @@ impl RowFile {
         })
     }
 
-    /// Creates a JSON Lines writer. Rows name their sequence if `sequences` is `true`.
+    /// Creates a JSON Lines writer. Rows contain the name of their sequence if `sequences` is `true`.
     pub fn json_lines(writer: TextWriter, sequences: bool) -> Self {
         Self {
             writer: Writer::JsonLines(WholeRows::new(writer)),
@@ -56,14 +56,14 @@ impl RowFile {
         }
     }
 
-    /// Starts a sequence of this name.
+    /// Starts a new sequence with this name.
     pub fn begin_sequence(&mut self, name: &str) {
         if let Some(sequence) = &mut self.sequence {
             name.clone_into(sequence);
         }
     }
 
-    /// Writes a row whose fields are named like the columns.
+    /// Writes a row whose fields have the names of the columns.
     pub fn write(&mut self, row: &impl Serialize) -> Result<(), CommandError> {
         self.write_either(row, row)
     }
@@ -86,7 +86,7 @@ impl RowFile {
         Ok(())
     }
 
-    /// Passes all complete rows on.
+    /// Writes all complete rows to the underlying writer.
     pub fn flush(&mut self) -> io::Result<()> {
         match &mut self.writer {
             Writer::Csv(writer) => writer.flush(),

@@ -13,9 +13,9 @@ use std::path::Path;
 pub struct TaxelOptions {
     /// Layout: a file or a built-in name; `None` if the source is not a taxel array.
     pub taxels: Option<String>,
-    /// Prefix of the array's columns in a table of several arrays.
+    /// Column prefix of the array, if a table contains several arrays.
     pub prefix: Option<String>,
-    /// Column whose value changes where another sequence begins.
+    /// Column whose value changes where the next sequence begins.
     pub sequence: Option<String>,
 }
 
@@ -61,8 +61,8 @@ pub fn taxel_layout_text(name: &str) -> Result<String, CommandError> {
     }
 }
 
-/// Creates the estimator of the wrench calibration at `path`, which must be for `layout` and, if given, verified within a
-/// number of days.
+/// Creates the estimator of the wrench calibration at `path`, which must match `layout` and, if a number of days is
+/// given, have been verified within it.
 pub fn read_estimator(
     path: &Path,
     layout: &TaxelLayout,

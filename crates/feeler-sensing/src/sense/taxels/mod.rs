@@ -28,7 +28,7 @@ use table::Table;
 
 pub use table::SERIAL;
 
-/// Senses all rows of the table in `options`, or those until `interrupted`.
+/// Processes all rows of the table in `options`, or those until `interrupted`.
 pub fn sense(
     options: &SenseOptions,
     layout: &str,
@@ -158,7 +158,7 @@ fn sense_all(
     Ok(())
 }
 
-/// Processes rows.
+/// Processes the rows of a source.
 struct Stage<'a> {
     readings: Vec<ElementReading>,
     output: Option<Box<dyn Output>>,
@@ -197,7 +197,7 @@ impl Stage<'_> {
             .map_or(Ok(()), |output| output.begin_sequence(name))
     }
 
-    /// Runs periodic work while no row is waiting.
+    /// Performs periodic work while no row is available.
     fn settle(&mut self) -> Result<(), CommandError> {
         if let Some(publisher) = &mut self.publisher {
             publisher.check_peers();

@@ -24,7 +24,7 @@ pub struct TaxelFormat {
 }
 
 impl TaxelFormat {
-    /// Creates the format for `layout`; for wrenches if an `estimator` is given.
+    /// Creates the format for `layout`. It writes wrenches if an `estimator` is given.
     pub fn of(
         layout: &TaxelLayout,
         estimator: Option<TaxelWrenchEstimator>,
@@ -104,7 +104,7 @@ impl Format for TaxelFormat {
         self.names_sequences
     }
 
-    /// Writes one row per taxel, or one with the wrench.
+    /// Writes one row per taxel, or a single row with the wrench.
     fn write_rows(
         &mut self,
         frame: &FrameReadings,

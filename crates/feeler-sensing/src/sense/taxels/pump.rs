@@ -13,15 +13,15 @@ const WAITING: usize = 64;
 
 /// An event from the reading thread.
 pub enum Event {
-    /// A sequence of this name begins; only if a column names sequences.
+    /// A sequence with this name begins. Only sent if a column contains the names of sequences.
     Sequence(String),
-    /// A row received at `at` was sensed.
+    /// Reading from a row received at `at`.
     Frame { frame: TactileFrame, at: Instant },
-    /// A message that is not a problem.
+    /// A message for the user that is not a problem.
     Note(String),
     /// Description of a problem that occurred for the first time.
     Trouble(String),
-    /// The table ended: number and description of each problem, and number of skipped lines.
+    /// The table ended. Contains number and description of each problem, and the number of skipped lines.
     Ended {
         troubles: Vec<(u64, String)>,
         skipped: u64,

@@ -1,4 +1,4 @@
-//! Reads a skin on a serial port on a background thread. A line on standard input measures the zero again.
+//! Reads a skin on a serial port on a background thread. Pressing Enter measures the zero again.
 
 use super::pump::{Event, RowPump};
 use feeler::sensor::forces::{TactileFrame, TactileSensor};
@@ -12,7 +12,7 @@ use std::sync::mpsc::{Receiver, SyncSender};
 use std::thread;
 use std::time::Instant;
 
-/// Note after each measurement of the zero.
+/// Message after each measurement of the zero.
 const HAS_ZERO: &str =
     "the zero is measured; press Enter to measure it again while the skin is untouched";
 

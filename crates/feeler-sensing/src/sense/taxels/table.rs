@@ -10,7 +10,7 @@ use std::io::{BufRead, BufReader, stdin};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Beginning of the name of a source on a serial port.
+/// Prefix of the name of a source on a serial port.
 pub const SERIAL: &str = "serial:";
 
 /// A source of readings.
@@ -62,7 +62,7 @@ impl Table {
         }
     }
 
-    /// Opens the source of an array with this `layout`. Reading starts when the result is called.
+    /// Opens the source of an array with this `layout`. Call the result to start reading.
     pub fn open(&self, layout: &TaxelLayout, rate: Option<f64>) -> Result<Start, CommandError> {
         let stream: Box<dyn BufRead + Send> = match self {
             Self::Stream => Box::new(BufReader::new(stdin())),
@@ -83,5 +83,5 @@ impl Table {
     }
 }
 
-/// Starts reading an open source on a background thread. Returns the counters of a connection, if it is one.
+/// Starts reading an open source on a background thread. Also returns the counters of the connection, if any.
 pub type Start = Box<dyn FnOnce() -> Result<(RowPump, Option<Arc<SkinCounters>>), CommandError>>;

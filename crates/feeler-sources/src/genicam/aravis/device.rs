@@ -1,4 +1,4 @@
-//! An open camera: its capabilities and settings.
+//! An open camera, with its capabilities and settings.
 
 use super::{Aravis, Failure, Functions, Object, text};
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
@@ -25,7 +25,8 @@ struct QuantityFunctions {
     is_available: unsafe extern "C" fn(Object, Failure) -> c_int,
     bounds: unsafe extern "C" fn(Object, *mut f64, *mut f64, Failure),
     set: unsafe extern "C" fn(Object, f64, Failure),
-    /// Checks whether the camera has an automatic mode for the quantity, and sets that mode. `None` if it never has.
+    /// Checks whether the camera has an automatic mode for the quantity, and sets that mode. `None` if no camera has
+    /// one.
     automatic: Option<(
         unsafe extern "C" fn(Object, Failure) -> c_int,
         unsafe extern "C" fn(Object, c_int, Failure),
@@ -206,7 +207,7 @@ impl Device {
         self.set_text(set, name)
     }
 
-    /// Triggers images by the given source.
+    /// Triggers images by the given trigger source.
     pub(in super::super) fn set_trigger(&self, source: &str) -> Result<(), String> {
         self.set_text(self.functions().arv_camera_set_trigger, source)
     }
@@ -226,7 +227,7 @@ impl Device {
         self.command(self.functions().arv_camera_clear_triggers)
     }
 
-    /// Triggers one image by command.
+    /// Triggers one image by software.
     pub(in super::super) fn trigger(&self) -> Result<(), String> {
         self.command(self.functions().arv_camera_software_trigger)
     }

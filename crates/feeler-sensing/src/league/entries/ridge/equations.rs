@@ -3,16 +3,16 @@
 use nalgebra::{Cholesky, DMatrix};
 use std::ops::Range;
 
-/// A ridge regression.
+/// A form of the ridge regression problem.
 pub trait Problem {
     fn measured(&self) -> &DMatrix<f64>;
-    /// Solution without the rows `held`; `None` if it does not exist.
+    /// Solves without the rows `held` (held out); `None` if there is no solution.
     fn solve(&self, held: Range<usize>, penalty: f64) -> Option<DMatrix<f64>>;
     fn predict(&self, rows: Range<usize>, solution: &DMatrix<f64>) -> DMatrix<f64>;
     fn predict_test(&self, solution: &DMatrix<f64>) -> DMatrix<f64>;
 }
 
-/// Normal equations with one unknown per feature. The last feature is constant and not penalised.
+/// Primal form: normal equations with one unknown per feature. The last feature is constant and not penalised.
 pub struct Primal {
     x: DMatrix<f64>,
     test: DMatrix<f64>,
@@ -66,7 +66,8 @@ impl Problem for Primal {
     }
 }
 
-/// One unknown per training row, for more features than rows. The kernel includes the constant.
+/// Dual form: one unknown per training row, used if there are more features than rows. The kernel includes the
+/// constant.
 pub struct Dual {
     kernel: DMatrix<f64>,
     test: DMatrix<f64>,

@@ -1,4 +1,4 @@
-//! Baseline: ridge regression on all values of a row, alone or with their products.
+//! Baseline: ridge regression on the values of a row, with or without their products.
 
 mod equations;
 
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 const FOLDS: usize = 4;
 /// Exponents of the candidate penalties 10^n, for kernels whose mean square is about 1.
 const PENALTIES: std::ops::RangeInclusive<i32> = -7..=1;
-/// Maximum number of features for which the normal equations are solved; otherwise one equation per row is.
+/// Maximum number of features for which the primal form is solved; above it, the dual form is.
 const MAX_FEATURES: usize = 600;
 
 /// Predicts targets of `test` rows from `train` rows with measured `targets` (NaN if unknown). `products` also uses the
@@ -47,7 +47,7 @@ pub fn predict(
     predicted
 }
 
-/// Mean and inverse standard deviation of each value; 0 for constant values.
+/// Mean and inverse standard deviation of each value; the latter is 0 for constant values.
 struct Standard(Vec<(f64, f64)>);
 
 impl Standard {
@@ -76,7 +76,7 @@ impl Standard {
         Self((0..values).map(of_value).collect())
     }
 
-    /// Standardised rows, divided by the square root of the number of values: lengths of about 1.
+    /// Standardises rows, and divides them by the square root of the number of values, so that their norm is about 1.
     fn apply(&self, rows: &[&[f64]]) -> DMatrix<f64> {
         let root = (self.0.len().max(1) as f64).sqrt();
         DMatrix::from_fn(rows.len(), self.0.len(), |row, column| {
@@ -128,7 +128,7 @@ fn regress(
     found
 }
 
-/// Explicit features of the kernel: `(1 + x·z)² - 1` with products, `x·z` without.
+/// Returns the features of the kernel: `(1 + x·z)² - 1` with products, `x·z` without.
 fn explicit(x: &DMatrix<f64>, products: bool) -> DMatrix<f64> {
     if !products {
         return x.clone();
