@@ -1,7 +1,7 @@
 //! Simulated grasps, successful or failed, measured by a gel with markers, with ground truth.
 //!
 //! Two fingers close on a free object, lift it, shake it, are tugged at and open, at random. Object, grip and gel are
-//! drawn from ranges that are wider than those of any particular sensor (listed in `docs/slip.md`). The ground truth
+//! drawn from ranges that are wider than those of any particular sensor (`scenario.rs`). The ground truth
 //! of slip is the displacement of the object relative to its initial position between the fingertips.
 
 mod markers;
