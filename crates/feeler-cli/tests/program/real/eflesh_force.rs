@@ -209,7 +209,7 @@ fn normal_force_of_another_run() {
             inside >= 0.9,
             "{name}: {inside} of the samples within {band} N"
         );
-        // With one other run; the skin relaxes from run to run (docs/taxels.md).
+        // With one other run; the skin relaxes from run to run (docs/real-data.md).
         assert!(error <= 0.75, "{name}: {error} N");
     }
 }

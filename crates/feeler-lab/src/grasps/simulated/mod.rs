@@ -2,7 +2,7 @@
 //!
 //! Two fingers close on a free object and lift it. In some grasps, chosen at random, the hand shakes, a force tugs at
 //! the object, or the fingers open. Object, grip and gel are drawn from ranges that are wider than those of any
-//! particular sensor (listed in `docs/slip.md`). The ground truth of slip is the displacement of the object relative to
+//! particular sensor (see `scenario.rs`). The ground truth of slip is the displacement of the object relative to
 //! its initial position between the fingertips.
 
 mod markers;

@@ -9,7 +9,7 @@ const BLOCKS: (usize, usize) = (40, 30);
 const CHUNK: usize = 120;
 /// Lower bound of the distance in grey levels, below the noise of any camera.
 const LEAST: f64 = 1e-2;
-/// Time constant of the filter (s). 0.2, 0.35 and 0.5 were compared on recordings; see docs/slip.md.
+/// Time constant of the filter (s). 0.2, 0.35 and 0.5 were compared on recordings.
 const TIME_CONSTANT: f64 = 0.3;
 
 /// Image of a gel as mean grey levels of 40 x 30 blocks, relative to the mean of the image.

@@ -139,7 +139,7 @@ static SOURCE: LazyLock<TaxelCalibration> =
     LazyLock::new(|| calibrated(&Skin::copy(0.0, 0).presses(MANY, 1)));
 
 /// Prints the error against the number of presses, and compares ten transferred presses with a full calibration, on other
-/// copies than those on which the transfer was developed. Bounds are for the worst copy (docs/calibration.md). All numbers of
+/// copies than those on which the transfer was developed. Bounds are for the worst copy (docs/total-force.md). All numbers of
 /// presses on five copies only if `FEELER_LONG_TESTS` is set.
 #[test]
 fn ten_presses_transfer_a_calibration_to_a_copy() {
