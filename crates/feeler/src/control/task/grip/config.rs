@@ -20,7 +20,7 @@ pub struct GripConfig {
     /// Duration from the first load during which the grip force does not fall below `grip_force` (s).
     #[serde(default = "default::load_up_time")]
     pub load_up_time: f64,
-    /// Maximum grip force under any law (N).
+    /// Maximum grip force (N) under all laws except `policy`.
     pub max_force: f64,
     /// Force above which an element counts as touching (N).
     #[serde(default = "default::touch_force")]
