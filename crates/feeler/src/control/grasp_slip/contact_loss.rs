@@ -112,7 +112,7 @@ impl ContactLoss {
     /// contact; NaN for markers that were not found. The scale is the markers' spacing. Finds their [`RegularPattern`].
     ///
     /// # Errors
-    /// If the places are not a regular pattern, or a value is out of range.
+    /// If the positions do not form a regular pattern, or a value is out of range.
     pub fn on_pattern(
         places: &[DVec2],
         picture: Option<Picture>,

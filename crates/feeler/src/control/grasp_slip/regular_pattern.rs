@@ -50,7 +50,7 @@ impl RegularPattern {
     /// positions and positions that no step reaches get no index.
     ///
     /// # Errors
-    /// If there are fewer than [`FEWEST_ELEMENTS`] places, if less than nine of ten can be reached, or if less than
+    /// If there are fewer than [`FEWEST_ELEMENTS`] positions, if less than nine of ten can be reached, or if less than
     /// nine of ten pairs of neighbours are one step apart.
     pub fn of(places: &[DVec2]) -> Result<Self, GraspSlipError> {
         let known: Vec<_> = (0..places.len())

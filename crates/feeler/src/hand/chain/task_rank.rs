@@ -36,7 +36,8 @@ impl Default for TaskRanks {
 }
 
 impl TaskRanks {
-    /// Determines the ranks at joint positions that are spread over the joints' ranges.
+    /// Determines the ranks of all subsets from the Jacobian at joint positions that are spread over the joints'
+    /// ranges.
     pub(super) fn of(chain: &Chain) -> Self {
         let mut ranks = Self::default();
         let least = NEGLIGIBLE * chain.damping_threshold;

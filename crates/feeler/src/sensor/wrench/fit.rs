@@ -101,7 +101,7 @@ pub(super) fn explains_nothing(left_out: &[(WrenchAxis, Option<f64>)]) -> Wrench
     WrenchError::ExplainsNothing { found }
 }
 
-/// Rejects samples with another number of elements or of a recording without a name.
+/// Rejects samples with a different number of elements, and samples of a recording that has no name.
 pub(super) fn check<B: Basis>(
     made_for: &CalibrationTarget,
     recordings: &[String],

@@ -141,8 +141,8 @@ pub fn verify<B: Basis>(
     })
 }
 
-/// Returns `true` if a force or torque of a press exceeds its error band, so that the press would be outside for a
-/// sensor without response. Presses with a measured place of contact are always strong.
+/// Returns `true` if a press is strong enough for the test: a force or torque exceeds its error band, so that the press
+/// would be outside for a sensor without response. Presses with a measured place of contact always are.
 fn is_strong<'a, B: Basis>(
     calibration: &CalibrationOf<B>,
     wrenches: impl Iterator<Item = &'a MeasuredWrench> + Clone,

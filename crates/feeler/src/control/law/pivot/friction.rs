@@ -69,7 +69,7 @@ impl Friction {
         }
     }
 
-    /// Ends the stroke: no element is in contact or slips.
+    /// Resets the state between strokes, when no element is in contact.
     pub fn rest(&mut self) {
         self.ratios.fill(None);
         self.slips = false;
