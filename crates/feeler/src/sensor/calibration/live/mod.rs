@@ -61,14 +61,14 @@ pub enum Seen {
     Unclear,
     /// The force exceeds the goal, or enough samples of its kind are kept.
     Enough {
-        /// The touched element.
+        /// Index of the touched element.
         element: usize,
         /// Force on the element, in its frame (N).
         force: DVec3,
     },
     /// A new sample was taken.
     Sample {
-        /// The touched element.
+        /// Index of the touched element.
         element: usize,
         /// Force on it in its frame, N.
         force: DVec3,

@@ -34,9 +34,9 @@ pub struct TaxelTerms {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Statistics {
-    /// Means.
+    /// Mean of each feature.
     pub mean: Vec<f64>,
-    /// Standard deviations; 0 for constant features, which are not used.
+    /// Standard deviation of each feature; 0 for constant features, which are not used.
     pub scale: Vec<f64>,
 }
 
