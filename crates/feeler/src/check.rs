@@ -1,7 +1,7 @@
 //! Collects the out-of-range values of a configuration.
 //!
-//! Each config struct has a `check` method that states the valid range of every field. The checker collects all
-//! problems, each with the key of the value in the experiment file. Non-finite numbers are always out of range.
+//! Each config struct has a `check` method that checks the range of every field. The checker collects all problems,
+//! each with the key of the value in the experiment file. Non-finite numbers are always out of range.
 //!
 //! ```
 //! use feeler::check::Checker;
@@ -16,14 +16,14 @@
 
 use std::fmt;
 
-/// Upper bound of values that have no other bound. It is far larger than any quantity of a real rig, and far below
-/// the point where arithmetic overflows.
+/// Upper bound of values without another bound. It is far larger than any quantity of a real rig, and far below the
+/// point where arithmetic overflows.
 pub const MAX: f64 = 1e9;
 
-/// Length in characters above which a number is printed in exponent notation.
+/// Number of characters above which a number is printed in exponent notation.
 const LONG: usize = 20;
 
-/// A value that is out of its range.
+/// A value that is outside its range.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
     /// Key of the value in the experiment file.
@@ -58,7 +58,7 @@ pub struct Requirement {
     pub field: String,
     /// Description of the valid values.
     pub expected: String,
-    /// Minimum and maximum, or `None` if the constraint is not a plain range.
+    /// Minimum and maximum; `None` if the constraint is not a simple range.
     pub range: Option<[f64; 2]>,
 }
 
@@ -91,8 +91,8 @@ impl Checker {
         self.requirements
     }
 
-    /// Requires `good`; otherwise reports `value` as a problem, with `expected` as the description of the valid
-    /// values.
+    /// Checks that `good` is `true`; otherwise reports `value` as a problem, with `expected` as the description of the
+    /// valid values.
     pub fn require(&mut self, field: &str, value: String, good: bool, expected: &str) {
         self.require_in(None, field, value, good, expected);
     }
@@ -119,33 +119,33 @@ impl Checker {
         }
     }
 
-    /// Requires a value above 0 and at most [`MAX`].
+    /// Checks that a value is above 0 and at most [`MAX`].
     pub fn positive(&mut self, field: &str, value: f64) {
         let good = value > 0.0 && value <= MAX;
         let expected = format!("more than 0, at most {MAX:e}");
         self.require_in(Some([0.0, MAX]), field, value.to_string(), good, &expected);
     }
 
-    /// Requires each of `fields` in the table `key` to be above 0 and at most [`MAX`].
+    /// Checks that each of `fields` in the table `key` is above 0 and at most [`MAX`].
     pub fn all_positive(&mut self, key: &str, fields: &[(&str, f64)]) {
         for (field, value) in fields {
             self.positive(&format!("{key}.{field}"), *value);
         }
     }
 
-    /// Requires a value from 0 to [`MAX`].
+    /// Checks that a value is from 0 to [`MAX`].
     pub fn not_negative(&mut self, field: &str, value: f64) {
         self.between(field, value, 0.0, MAX);
     }
 
-    /// Requires a value from `low` to `high`.
+    /// Checks that a value is from `low` to `high`.
     pub fn between(&mut self, field: &str, value: f64, low: f64, high: f64) {
         let good = (low..=high).contains(&value);
         let expected = format!("{} to {}", number(low), number(high));
         self.require_in(Some([low, high]), field, value.to_string(), good, &expected);
     }
 
-    /// Requires a field of the table `key` to be above `least`, the value of the field `other` of the same table, and
+    /// Checks that a field of the table `key` is above `least`, the value of the field `other` of the same table, and
     /// at most [`MAX`].
     pub fn more_than(
         &mut self,
@@ -161,7 +161,7 @@ impl Checker {
         );
     }
 
-    /// Requires a point or vector whose three components are from -10 to 10.
+    /// Checks that the three components of a point or vector are from -10 to 10.
     pub fn vector(&mut self, field: &str, value: [f64; 3]) {
         let good = value.iter().all(|c| c.is_finite() && c.abs() <= 10.0);
         self.require(
@@ -172,7 +172,7 @@ impl Checker {
         );
     }
 
-    /// Requires a nonzero vector.
+    /// Checks that a vector is not zero.
     pub fn direction(&mut self, field: &str, value: [f64; 3]) {
         let length = value.iter().map(|c| c * c).sum::<f64>().sqrt();
         let good = (1e-6..=MAX).contains(&length);
@@ -185,7 +185,7 @@ impl Checker {
     }
 }
 
-/// Shortens a number that would print with many digits; returns other values unchanged.
+/// Formats a number with many digits in exponent notation; returns other values unchanged.
 fn compact(value: String) -> String {
     match value.parse::<f64>() {
         Ok(value_of) if value.len() > LONG => number(value_of),
@@ -193,7 +193,7 @@ fn compact(value: String) -> String {
     }
 }
 
-/// Formats a bound without long rows of digits and without forms such as `1e0`.
+/// Formats a bound without many digits and without forms such as `1e0`.
 fn number(bound: f64) -> String {
     if bound == 0.0 || (1e-3..1e6).contains(&bound.abs()) {
         bound.to_string()

@@ -17,14 +17,14 @@ pub mod sensor;
 
 pub use control::task::TaskConfig;
 pub use control::{ControlConfig, ControlLoop, OpticalFinger, Phase, SetupError};
-/// Vector and rotation types of the public interface.
+/// Re-exported because its vector and rotation types are part of the public interface.
 pub use glam;
 pub use hand::{FingerConfig, Hand};
 pub use pace::FixedRate;
 pub use sensor::calibration::Calibration;
 pub use sensor::image::Camera;
 
-/// Compiles the code of the repository's README with the documentation tests.
+/// Includes the examples of the repository's README in the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;

@@ -1,12 +1,12 @@
-//! Directions and rotations with the same result on every processor and operating system.
+//! Directions and rotations with identical results on every processor and operating system.
 //!
 //! The last digits of the sines and cosines of `std` depend on the system's math library. Code that affects the result
-//! of a run uses these functions and the crate `libm` instead, so that the run has the same digest everywhere, also in a
-//! browser.
+//! of a run uses these functions and the crate `libm` instead, so that the run has the same digest everywhere,
+//! including in a browser.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
-/// Unit vector at `angle` (rad) from the x axis.
+/// Unit vector at the angle `angle` (rad) from the x axis.
 pub fn direction_at(angle: f64) -> DVec2 {
     let (sin, cos) = libm::sincos(angle);
     DVec2::new(cos, sin)

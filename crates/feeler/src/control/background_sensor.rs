@@ -9,7 +9,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Latest reading of one finger.
+/// Latest reading of one finger and the state of its sensor.
 struct Felt {
     touch: TactileReading,
     /// Unread frames before the latest one.
@@ -32,8 +32,8 @@ impl Board {
     }
 }
 
-/// A source of tactile readings whose sensor runs on a background thread. A sensor that fails stops the hand, as
-/// usual. While a sensor is late, its last reading is returned again, until it becomes stale.
+/// Source of tactile readings for one finger whose sensor runs on a background thread. An error of the sensor stops the
+/// hand, as usual. If the sensor is late, its previous reading is returned, until it becomes stale.
 ///
 /// The thread ends after its next reading once all handles are dropped. A thread whose sensor blocks forever is not
 /// joined.
@@ -47,8 +47,8 @@ pub struct BackgroundSensor {
 /// Signals when new data of all fingers is available; for [`DataDriven`](crate::pace::DataDriven).
 pub struct NewDataSignal(Arc<Board>);
 
-/// Reads `sensors`, one per finger, on background threads, and computes their flags by `thresholds`. A sensor may
-/// block for any time, for example until its camera's next frame.
+/// Starts a background thread for each of the `sensors`, one per finger. Each thread reads its sensor and computes the
+/// flags with `thresholds`. A sensor may block for any time, for example until its camera's next frame.
 ///
 /// # Errors
 /// If the system cannot create a thread.
@@ -127,7 +127,7 @@ impl Board {
     }
 }
 
-/// Returns whether `touch` is from the same image as `before`.
+/// Returns whether `touch` was measured from the same image as `before`.
 fn is_same(touch: &TactileReading, before: &TactileReading) -> bool {
     touch.stamp == before.stamp && touch.frame.sequence == before.frame.sequence
 }

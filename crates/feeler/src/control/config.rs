@@ -16,19 +16,19 @@ use serde::{Deserialize, Serialize};
 pub struct ControlConfig {
     /// Control period (s).
     pub period: f64,
-    /// Maximum age of forces, in control periods. Older forces stop the hand.
+    /// Maximum age of forces, in control periods. If forces are older, the hand stops.
     pub stale_periods: f64,
-    /// F1: compression above which an element counts as touching (N).
+    /// F1: compression above which an element is in contact (N).
     pub touch_force: f64,
     /// F2: compression above which an element must not be pressed further (N).
     pub over_force: f64,
     /// dr: shear rate above which an element counts as slipping (N/s).
     pub slip_threshold: f64,
-    /// v_r: speed of re-compression (m/s).
+    /// v_r: speed at which a slipping finger is pressed into the object (re-compression, m/s).
     pub recompression_speed: f64,
-    /// Grasp force below which a moving finger is also re-compressed (N).
+    /// Grasp force below which a moving finger is pressed into the object, as after a slip (N).
     pub minimum_grasp_force: f64,
-    /// When the hand resumes after a stop caused by stale data.
+    /// Policy for resuming after a stop caused by stale data.
     pub resume: ResumePolicy,
     /// Reaction of a moving hand if its recording cannot be written.
     pub on_recording_failure: RecordingFailure,
@@ -61,19 +61,19 @@ impl Default for ControlConfig {
     }
 }
 
-/// When the hand resumes after a stop caused by stale data.
+/// Policy for resuming after a stop caused by stale data.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ResumePolicy {
-    /// When an operator or a program requests it.
+    /// Resumes when an operator or a program requests it.
     #[default]
     Told,
-    /// As soon as the data are fresh again.
+    /// Resumes as soon as the data are fresh again.
     Fresh,
 }
 
 /// Reaction of a moving hand if its recording cannot be written, for example because the disk is full or hangs. In
-/// simulated time, the run waits for the disk instead, and a full disk ends it.
+/// simulated time, the run waits for a slow disk, and ends if the disk is full.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RecordingFailure {
@@ -85,7 +85,7 @@ pub enum RecordingFailure {
 }
 
 impl ControlConfig {
-    /// Thresholds of the flag analyzer.
+    /// Thresholds of the contact flags TOUCH, SLIP and OVER.
     pub fn thresholds(&self) -> FlagThresholds {
         FlagThresholds {
             touch_force: self.touch_force,
@@ -94,7 +94,7 @@ impl ControlConfig {
         }
     }
 
-    /// Parameters of the paper's reflex.
+    /// Parameters of the paper's re-compression reflex.
     pub fn reflex(&self) -> Reflex {
         Reflex {
             recompression_speed: self.recompression_speed,
@@ -111,7 +111,7 @@ impl ControlConfig {
             .hand_law(self.reflex(), &self.thresholds(), layouts)
     }
 
-    /// Requires all values, and the values of `task`, to be in their ranges. Keys are those of an experiment file:
+    /// Checks that all values, including those of `task`, are in their ranges. Keys are those of an experiment file:
     /// `control` and `task`.
     pub fn check(&self, task: &TaskConfig, checker: &mut Checker) {
         checker.between("control.period", self.period, 1e-4, 1.0);
@@ -137,7 +137,7 @@ impl ControlConfig {
         task.check(self.period, &self.thresholds(), &self.limits, checker);
     }
 
-    /// Requires a policy for a task that needs one, and the default law for a task that does not use a law.
+    /// Checks that a task that needs a policy has one, and that a task without a law has the default law.
     fn check_law_of(&self, task: &TaskConfig, checker: &mut Checker) {
         if task.takes_policy_only() {
             checker.require(

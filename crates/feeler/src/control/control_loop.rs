@@ -1,4 +1,4 @@
-//! The control loop: sense, decide, command.
+//! Control loop: reads the sensors, computes a command, and sends it to the hand.
 
 use super::controller::Controller;
 use super::sense::HandReadings;
@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 /// Error that aborts a control cycle.
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
-    /// A tactile sensor delivered no forces.
+    /// A tactile sensor delivered no valid reading.
     #[error("finger {finger}: {source}")]
     Sensor {
         /// Index of the finger.
@@ -27,7 +27,8 @@ pub enum ControlError {
     Hand(#[from] HandError),
 }
 
-/// Connects sensors, hand and controller. All times come from the data; the loop reads no clock.
+/// Control loop that connects sensors, hand and controller. All times come from the data; the loop does not read a
+/// clock.
 pub struct ControlLoop<S, H> {
     sensors: Vec<S>,
     hand: H,
@@ -39,10 +40,10 @@ pub struct ControlLoop<S, H> {
 
 /// Hooks that run around each step of [`ControlLoop::run_supervised`].
 pub trait Supervisor<S, H> {
-    /// Value that ends the run.
+    /// Value with which a hook ends the run.
     type Break;
 
-    /// Called when a step is due, before anything is read. Can stop the hand or let it resume.
+    /// Called when a step is due, before anything is read. The hook may stop the hand or resume it.
     fn before_step(&mut self, control_loop: &mut ControlLoop<S, H>, tick: &Tick);
 
     /// Called after every step, for example to record or display it, or to end the run.
@@ -53,7 +54,7 @@ pub trait Supervisor<S, H> {
     ) -> ControlFlow<Self::Break>;
 }
 
-/// A closure is a supervisor with a hook after each step only.
+/// A closure is a supervisor with only the hook after each step.
 impl<S, H, B, F> Supervisor<S, H> for F
 where
     F: FnMut(&mut ControlLoop<S, H>, &Tick) -> ControlFlow<B>,
@@ -87,7 +88,7 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         }
     }
 
-    /// Runs one control cycle: reads the hand and the sensors, decides, commands the hand.
+    /// Runs one control cycle: reads the hand and the sensors, computes the command, and sends it to the hand.
     ///
     /// # Errors
     /// If a sensor or the hand fails. The hand is commanded to stop first.
@@ -115,7 +116,7 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         Ok(())
     }
 
-    /// Second half of a [`step`](Self::step): decides based on the latest readings and commands the hand.
+    /// Second half of a [`step`](Self::step): computes the command from the latest readings and sends it to the hand.
     ///
     /// # Errors
     /// If the hand fails.
@@ -125,8 +126,8 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         Ok(self.hand.command(&self.command)?)
     }
 
-    /// Reads the hand and the sensors and updates the plans: a [`step`](Self::step) up to the point where the control
-    /// laws decide. For callers that replace the laws by calling [`follow`](Self::follow).
+    /// Reads the hand and the sensors and updates the task's plans: the part of a [`step`](Self::step) before the
+    /// control laws. For callers that replace the laws by calling [`follow`](Self::follow).
     ///
     /// # Errors
     /// If the hand or a sensor fails. The hand is commanded to stop first.
@@ -136,7 +137,7 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         Ok(())
     }
 
-    /// Completes a [`step`](Self::step) after [`plan`](Self::plan), with the velocities of the control laws.
+    /// Completes a [`step`](Self::step) after [`plan`](Self::plan), using the velocities of the control laws.
     ///
     /// # Errors
     /// If the hand fails.
@@ -146,8 +147,8 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         Ok(self.hand.command(&self.command)?)
     }
 
-    /// Completes a [`step`](Self::step) after [`plan`](Self::plan) with the given fingertip velocities (m/s, in W)
-    /// instead of the laws' velocities. They pass the same limits; see [`Controller::follow`].
+    /// Completes a [`step`](Self::step) after [`plan`](Self::plan), using the given fingertip velocities (m/s, in W)
+    /// instead of those of the control laws. The same limits apply; see [`Controller::follow`].
     ///
     /// # Errors
     /// If the hand fails.
@@ -161,7 +162,7 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
     /// the hand. `each_step` is called after every step with the loop and the tick. Returns the value with which
     /// `each_step` broke, if any.
     ///
-    /// Missed periods are not made up for. More than `max_missed` missed periods in a row stop the hand with
+    /// Missed periods are skipped. If more than `max_missed` consecutive periods are missed, the hand is stopped with
     /// [`StopReason::MissedPeriods`], because the drives were executing a stale command.
     ///
     /// # Errors
@@ -218,12 +219,12 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         Ok(())
     }
 
-    /// Replaces the hand by another one with the same number of fingers.
+    /// Replaces the hand with another one that has the same number of fingers.
     pub fn with_hand<G: Hand>(self, hand: G) -> ControlLoop<S, G> {
         ControlLoop::new(self.sensors, hand, self.controller)
     }
 
-    /// Replaces the sensors, one per finger, by the result of `change`.
+    /// Replaces the sensors, one per finger, with the result of `change`.
     ///
     /// # Errors
     /// Those of `change`.
@@ -260,12 +261,12 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         &self.command
     }
 
-    /// The controller.
+    /// Controller of the loop.
     pub fn controller(&self) -> &Controller {
         &self.controller
     }
 
-    /// The controller, for callers that stop the hand or let it resume.
+    /// Mutable access to the controller, to stop the hand or to resume it.
     pub fn controller_mut(&mut self) -> &mut Controller {
         &mut self.controller
     }

@@ -1,4 +1,4 @@
-//! The controller: computes joint velocities from tactile frames and joint angles.
+//! Controller of a hand: computes joint velocities from tactile frames and joint angles.
 
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
@@ -26,7 +26,7 @@ pub struct FingerControl {
     geometry: FingerGeometry,
     /// Fingertip velocity requested by the law or an external policy (m/s, in W).
     pub velocity: DVec3,
-    /// The request after limiting.
+    /// Joint velocities after limiting.
     pub admitted: LimitedCommand,
     joint_monitor: JointMonitor,
     stuck_sensor: StuckSensorDetector,
@@ -49,9 +49,9 @@ pub struct Controller {
     layouts: Vec<ElementLayout>,
     task: Box<dyn Task>,
     law: Box<dyn HandLaw>,
-    /// `true` if the law considers the finger closed; see [`HandReadings::closed`].
+    /// `true` for each finger that the law considers closed on the object; see [`HandReadings::closed`].
     closed: Vec<Option<bool>>,
-    /// Fingertip velocities by the law (m/s, in W).
+    /// Fingertip velocities computed by the law (m/s, in W).
     velocities: Vec<DVec3>,
     /// The task's plan for each finger.
     plans: Vec<Plan>,
@@ -114,7 +114,7 @@ impl Controller {
         })
     }
 
-    /// State of each finger as of the latest decision.
+    /// State of each finger after the latest decision.
     pub fn fingers(&self) -> &[FingerControl] {
         &self.fingers
     }
@@ -125,12 +125,12 @@ impl Controller {
         self.law = Box::new(FingerLaws::new(laws));
     }
 
-    /// Fingertip poses from the encoders, as of the latest decision.
+    /// Fingertip poses computed from the joint angles, as of the latest decision.
     pub fn poses(&self) -> &[FingertipPose] {
         &self.poses
     }
 
-    /// The task as of the latest decision.
+    /// The task, in its state after the latest decision.
     pub fn task(&self) -> &dyn Task {
         &*self.task
     }
@@ -177,8 +177,8 @@ impl Controller {
         self.act_with_laws(touches, state, command);
     }
 
-    /// First half of [`decide`](Self::decide): checks the input and updates the task's [`plans`](Self::plans).
-    /// Complete it with [`act_with_laws`](Self::act_with_laws), or with [`follow`](Self::follow) to replace the laws.
+    /// First half of [`decide`](Self::decide): checks the input and updates the task's [`plans`](Self::plans). Must be
+    /// followed by [`act_with_laws`](Self::act_with_laws), or by [`follow`](Self::follow) to replace the laws.
     pub fn plan(&mut self, touches: &[TactileReading], state: &HandState) {
         let planned = self
             .feel(touches, state)
@@ -190,7 +190,7 @@ impl Controller {
         }
     }
 
-    /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan): applies the control laws.
+    /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan): applies the control laws and limits.
     pub fn act_with_laws(
         &mut self,
         touches: &[TactileReading],
@@ -203,8 +203,8 @@ impl Controller {
         self.apply_limits(state, command);
     }
 
-    /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan), with the given fingertip velocities (m/s,
-    /// in W) instead of the laws' velocities. They pass the same limits. A missing or non-finite velocity stops all
+    /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan), using the given fingertip velocities (m/s,
+    /// in W) instead of those of the control laws. The same limits apply. A missing or non-finite velocity stops all
     /// fingers with a [`StopReason`]. Nothing moves while the hand is stopped, or without a new plan.
     pub fn follow(&mut self, velocities: &[DVec3], state: &HandState, command: &mut HandCommand) {
         let count = check_count("velocities", self.fingers.len(), velocities.len());
@@ -219,9 +219,9 @@ impl Controller {
         self.apply_limits(state, command);
     }
 
-    /// Stops all fingers at once, until [`resume`](Self::resume) is called. The first reason is kept, with one
-    /// exception: a requested stop replaces a stop caused by stale data, because such a stop may end automatically
-    /// and a requested one must not.
+    /// Stops all fingers immediately, until [`resume`](Self::resume) is called. The first reason is kept, with one
+    /// exception: a requested stop replaces a stop caused by stale data, because the latter may end automatically and a
+    /// requested one must not.
     pub fn stop(&mut self, reason: StopReason) {
         let told = matches!(reason, StopReason::Requested { .. });
         match &self.stop_reason {
@@ -239,8 +239,8 @@ impl Controller {
         }
     }
 
-    /// Resumes after a stop. If the cause persists, the next decision stops the hand again. The monitors are reset,
-    /// because the fingers may have been moved during the stop.
+    /// Resumes motion after a stop. If the cause persists, the next decision stops the hand again. The monitors are
+    /// reset, because the fingers may have been moved during the stop.
     pub fn resume(&mut self) {
         if self.stop_reason.take().is_some() {
             for finger in &mut self.fingers {
@@ -298,7 +298,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Advances the task and updates the plan of each finger.
+    /// Advances the task and updates its plan for each finger.
     fn ask_task(
         &mut self,
         touches: &[TactileReading],
@@ -320,7 +320,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Computes the velocity of each finger by the control law.
+    /// Computes the velocity of each finger with the control law.
     fn obey_laws(&mut self, touches: &[TactileReading], state: &HandState) {
         let hand = HandReadings::new(state, touches, &self.poses, &self.layouts);
         self.law

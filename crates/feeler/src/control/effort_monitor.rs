@@ -1,12 +1,14 @@
-//! Second opinion on a tactile sensor: the effort of the drives, estimated from the currents of their motors.
+//! Plausibility check of a tactile sensor against the effort (torque or force) of the drives, estimated from motor
+//! currents.
 //!
-//! While a finger moves slowly, the effort of each joint's motor balances the forces on the fingertip: `effort = -J^T f`,
-//! with the Jacobian `J` and the force `f` on the fingertip by the object. Both sides are averaged, because currents are
-//! noisy. The tolerance is one and a half times the largest recent uncertainty of the effort plus
-//! [`effort_share`](super::monitor_config::MonitorConfig::effort_share) of the larger side. A joint that exceeds it for a
-//! while contradicts the tactile sensor.
+//! While a finger moves slowly, the effort of each joint's motor balances the forces on the fingertip: `effort = -J^T
+//! f`, with the Jacobian `J` and the force `f` on the fingertip by the object. Both sides are averaged, because
+//! currents are noisy. The tolerance is one and a half times the largest recent uncertainty of the effort plus
+//! [`effort_share`](super::monitor_config::MonitorConfig::effort_share) of the larger side. If a joint exceeds it for
+//! some time, the effort contradicts the tactile sensor.
 //!
-//! Neglected are weight, inertia and viscous friction of the finger, and the moment of the forces about the dome's centre.
+//! Weight, inertia and viscous friction of the finger, and the moment of the forces about the dome's centre, are
+//! neglected.
 
 use super::monitor_config::MonitorConfig;
 use super::stop_reason::StopReason;
@@ -16,13 +18,14 @@ use crate::hand::kinematics::jacobian;
 use crate::hand::{JointEfforts, JointState};
 use glam::DVec3;
 
-/// Time constant of the means (s).
+/// Time constant of the averages (s).
 const FILTER_TIME: f64 = 0.05;
-/// Duration for which a joint must exceed its tolerance (s).
+/// Duration for which a joint must exceed its tolerance for a fault to be reported (s).
 const MISMATCH_TIME: f64 = 0.1;
-/// Share of its speed limit above which a joint is fast; friction and inertia are then unknown.
+/// Fraction of its speed limit above which a joint is too fast for the comparison, because friction and inertia are
+/// unknown.
 const FAST: f64 = 0.3;
-/// Multiple of the uncertainty that is tolerated: static friction may exceed the friction of the calibration.
+/// Factor on the uncertainty in the tolerance, because static friction may exceed the friction at calibration.
 const UNCERTAINTY_FACTOR: f64 = 1.5;
 
 /// Compares the efforts of one finger's drives with the forces that its fingertip measures.
@@ -34,15 +37,15 @@ pub(super) struct EffortMonitor {
     means: Option<Means>,
 }
 
-/// Means of both sides up to the time `stamp` (s).
+/// Low-pass filtered motor efforts and efforts that balance the measured forces, up to the time `stamp` (s).
 #[derive(Debug, Clone, Copy)]
 struct Means {
     stamp: f64,
     effort: JointVector,
     felt: JointVector,
-    /// Largest uncertainty, which decays with the time constant of the means.
+    /// Largest recent uncertainty, which decays with the time constant of the averages.
     uncertainty: JointVector,
-    /// Time since when each joint has exceeded its tolerance (s); NaN if it does not.
+    /// Time at which each joint began to exceed its tolerance (s); NaN if it does not exceed it.
     since: JointVector,
 }
 
@@ -56,7 +59,7 @@ impl EffortMonitor {
         }
     }
 
-    /// Forgets all readings.
+    /// Discards all readings.
     pub fn reset(&mut self) {
         self.means = None;
     }
@@ -65,7 +68,7 @@ impl EffortMonitor {
     /// `stamp` (s). Does not allocate.
     ///
     /// # Errors
-    /// If they have contradicted each other for too long.
+    /// If they have differed by more than the tolerance for too long.
     pub fn watch(
         &mut self,
         finger: usize,
@@ -115,7 +118,7 @@ impl EffortMonitor {
         Ok(())
     }
 
-    /// Updates the means with the readings at `stamp` (s).
+    /// Updates the averages with the readings at `stamp` (s).
     fn average(&mut self, stamp: f64, efforts: &JointEfforts, felt: JointVector) -> &mut Means {
         let most_gap = self.most_gap;
         let known = self.means.take();

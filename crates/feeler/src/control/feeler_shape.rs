@@ -1,11 +1,12 @@
-//! Stiffness and tip radius of feelers, and the tip position under load.
+//! Stiffness and tip radius of columnar feelers (rubber columns of the sensing elements), and the tip position under
+//! load.
 
 use super::sense::FingerReadings;
 use crate::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Properties of a feeler, measured on a test bench.
+/// Mechanical properties of a columnar feeler, measured on a test bench.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FeelerShape {
@@ -39,7 +40,7 @@ impl Stiffness {
 }
 
 impl Default for FeelerShape {
-    /// Nominal rubber of the reference experiment's fingertip.
+    /// Nominal properties of the reference experiment's fingertip.
     fn default() -> Self {
         Self {
             normal_stiffness: 205.0,
@@ -50,7 +51,7 @@ impl Default for FeelerShape {
 }
 
 impl FeelerShape {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let positive = [
             ("normal_stiffness", self.normal_stiffness),
@@ -60,7 +61,7 @@ impl FeelerShape {
         checker.all_positive(key, &positive);
     }
 
-    /// Contact stiffness.
+    /// Contact stiffness of a feeler with these properties.
     pub fn stiffness(&self) -> Stiffness {
         Stiffness {
             normal: self.normal_stiffness,
@@ -68,8 +69,8 @@ impl FeelerShape {
         }
     }
 
-    /// Centre of the tip of `element` under load (m, in W): the rest position plus the displacement by `force` (N, in
-    /// W). `None` if there is no such element.
+    /// Centre of the feeler tip of `element` under load (m, in W): the rest position plus the displacement by `force`
+    /// (N, in W). `None` if there is no such element.
     pub fn tip(&self, finger: &FingerReadings<'_>, element: usize, force: DVec3) -> Option<DVec3> {
         let axis = finger.normal(element)?;
         let along = force.dot(axis) * axis;

@@ -1,13 +1,13 @@
-//! The flag analyzer (paper, Fig. 4): computes TOUCH, SLIP and OVER from tri-axial forces.
+//! Contact flags of a finger (paper, Fig. 4): computes TOUCH, SLIP and OVER from tri-axial forces.
 
 use crate::sensor::forces::reading::TactileFrame;
 use glam::DVec3;
 use multiversion::multiversion;
 
-/// Thresholds of the flag analyzer.
+/// Thresholds of the contact flags TOUCH, SLIP and OVER.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlagThresholds {
-    /// F1: compression above which an element counts as touching (N).
+    /// F1: compression above which an element is in contact (N).
     pub touch_force: f64,
     /// F2: compression above which an element must not be pressed further (N).
     pub over_force: f64,
@@ -24,15 +24,15 @@ pub struct FingerFlags {
     pub slip: bool,
     /// OVER: the compression of an element is above F2.
     pub over: bool,
-    /// Touching element (F_z > F1) with the largest F_z, if any.
+    /// Element in contact (F_z > F1) with the largest F_z, if any.
     pub largest_element: Option<usize>,
     /// Grasp force: sum of the elements' compressions F_z > 0 (N).
     pub grasp_force: f64,
 }
 
 impl FingerFlags {
-    /// Merges these flags with those of a `newer` frame. A flag is raised if it is raised in either. The force is the
-    /// newer one, and so is the element if the newer frame has one.
+    /// Combines these flags with those of a `newer` frame. A flag is raised if it is raised in either frame. The grasp
+    /// force is that of the newer frame, and so is the element if the newer frame has one.
     pub fn then(self, newer: Self) -> Self {
         Self {
             touch: self.touch || newer.touch,
@@ -56,7 +56,7 @@ pub struct FlagAnalyzer {
     previous_shear: Vec<[f64; 2]>,
 }
 
-/// The frame that shear rates refer to.
+/// Stamp and sequence number of the frame that shear rates refer to.
 #[derive(Debug, Clone, Copy)]
 struct Previous {
     sequence: u64,
@@ -85,8 +85,8 @@ impl FlagAnalyzer {
         self.previous.map_or(f64::NAN, |p| p.stamp)
     }
 
-    /// Returns the flags at `frame`. A frame that has been analysed already changes nothing. The first frame has zero
-    /// shear rates. Elements without a valid force raise no flag.
+    /// Returns the flags for `frame`. If `frame` has already been analysed, nothing changes. The shear rates of the
+    /// first frame are zero. Elements without a valid force raise no flag.
     pub fn analyze(&mut self, frame: &TactileFrame) -> FingerFlags {
         let seen = self.previous.is_some_and(|p| p.sequence == frame.sequence);
         if !seen {
@@ -132,11 +132,11 @@ impl FlagAnalyzer {
     }
 }
 
-/// Number of elements whose shear rates are computed in parallel.
+/// Number of elements processed in parallel.
 const LANES: usize = 4;
 
-/// Computes the shear rates from the `previous` forces, `interval` seconds ago, to `forces`, and stores `forces` as
-/// the new previous ones. If `interval` is 0 or negative, the rates are 0.
+/// Computes the shear rates from the `previous` forces, measured `interval` seconds ago, to `forces`. Stores `forces`
+/// as the new previous ones. If `interval` is 0 or negative, the rates are 0.
 #[multiversion(targets("x86_64+avx2"))]
 fn shear_rates(forces: &[DVec3], previous: &mut [[f64; 2]], interval: f64, rates: &mut [f64]) {
     let count = forces.len().min(rates.len());

@@ -6,7 +6,8 @@ use glam::DVec3;
 /// Maximum number of frames in a buffer; older ones are dropped.
 const MOST_FRAMES: usize = 64;
 
-/// Tactile frames between two control steps, oldest first, at most 64. The memory of cleared frames is reused.
+/// Buffer of tactile frames measured between two control steps, oldest first, at most 64. The memory of removed frames
+/// is reused.
 #[derive(Debug, Clone, Default)]
 pub struct FrameBuffer {
     frames: Vec<TactileFrame>,
@@ -14,12 +15,13 @@ pub struct FrameBuffer {
 }
 
 impl FrameBuffer {
-    /// Removes all frames. Does not free memory.
+    /// Removes all frames without freeing memory.
     pub fn clear(&mut self) {
         self.len = 0;
     }
 
-    /// Appends a frame. Drops the oldest one if the buffer is full. Allocates until the buffer has been this long once.
+    /// Appends a frame. Drops the oldest one if the buffer is full. Allocates only until the buffer has once had this
+    /// length.
     pub fn push(&mut self, sequence: u64, stamp: f64, forces: impl Iterator<Item = DVec3>) {
         if self.len == MOST_FRAMES {
             self.frames.rotate_left(1);
@@ -36,7 +38,7 @@ impl FrameBuffer {
         }
     }
 
-    /// The frames, oldest first.
+    /// All frames, oldest first.
     pub fn as_slice(&self) -> &[TactileFrame] {
         self.frames.get(..self.len).unwrap_or_default()
     }

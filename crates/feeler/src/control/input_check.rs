@@ -5,7 +5,7 @@ use super::touch::TactileReading;
 use crate::hand::JointState;
 use glam::DVec3;
 
-/// Checks that there are as many of `what` as there are fingers.
+/// Checks that the number of items (`what`) equals the number of fingers.
 pub(super) fn check_count(
     what: &'static str,
     expected: usize,
@@ -22,8 +22,8 @@ pub(super) fn check_count(
     }
 }
 
-/// Checks that the input of `finger` has `elements` elements and `joint_count` joints, or an empty joint state, and that
-/// all numbers are finite.
+/// Checks the input of `finger`: it must have `elements` elements, and `joint_count` joints or an empty joint state,
+/// and all numbers must be finite.
 pub(super) fn check_input(
     finger: usize,
     (elements, joint_count): (usize, usize),
@@ -62,7 +62,7 @@ pub(super) fn check_input(
     Ok(())
 }
 
-/// Checks that no element is pressed harder than `limit` (N), if a limit is given.
+/// Checks that the compression of every element is at most `limit` (N), if a limit is given.
 pub(super) fn check_load(
     finger: usize,
     touch: &TactileReading,

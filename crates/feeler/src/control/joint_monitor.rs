@@ -1,14 +1,14 @@
 //! Plausibility checks of joint sensors against the commands and the finger's geometry.
 //!
-//! **Deviation.** A drive follows its commanded velocity with some lag. Let `Q` be the integral of the commands. For
-//! a delay, a first-order lag or any other response that neither overshoots nor takes longer than `servo_lag`, the
-//! joint angle is a weighted mean of `Q` within that time. So the minimum and maximum of `Q` bound the angle through
-//! which the joint turns. If the measured turn exceeds these bounds by more than
-//! [`joint_deviation`](super::monitor_config::MonitorConfig::joint_deviation) plus a fifth of the commanded turn, the
-//! drive does not follow its commands or its sensor is wrong: frozen, reversed, of another scale, or blocked.
+//! **Deviation.** A drive follows its commanded velocity with some lag. Let `Q` be the integral of the commands. For a
+//! delay, a first-order lag or any other response that neither overshoots nor takes longer than `servo_lag`, the joint
+//! angle is a weighted mean of `Q` within that time. So the minimum and maximum of `Q` bound the rotation of the joint.
+//! If the measured rotation exceeds these bounds by more than
+//! [`joint_deviation`](super::monitor_config::MonitorConfig::joint_deviation) plus a fifth of the commanded rotation,
+//! the drive is blocked or does not follow its commands, or its sensor is frozen, reversed or has another scale.
 //! Pressing does not trigger this check: the feelers yield, and the law stops pressing at F2.
 //!
-//! **Jumps.** A joint cannot turn faster than its speed limit, and cannot be far outside of its limits.
+//! **Jumps.** A joint cannot move faster than its speed limit, and cannot be far outside its limits.
 
 use super::monitor_config::MonitorConfig;
 use super::stop_reason::StopReason;
@@ -16,16 +16,17 @@ use crate::hand::geometry::FingerGeometry;
 use crate::hand::joint_vector::JointVector;
 use std::f64::consts::FRAC_PI_2;
 
-/// Time over which turns are compared (s): long enough to detect a frozen joint in the slowest search.
+/// Time window over which rotations are compared (s): long enough to detect a frozen joint in the slowest search.
 const WINDOW: f64 = 2.0;
 /// Number of blocks into which the window and the preceding lag are divided.
 const BLOCKS: usize = 64;
-/// Relative tolerance of the measured turn: the scale error of a velocity loop.
+/// Relative tolerance of the measured rotation, for the scale error of a velocity loop.
 const SCALE_TOLERANCE: f64 = 0.2;
-/// Tolerance for encoder noise between two readings (rad, or times the reach of a prismatic joint), in addition to the
-/// maximum turn.
+/// Tolerance for encoder noise between two readings (rad, or times the reach for a prismatic joint), in addition to the
+/// maximum rotation.
 const JUMP_NOISE: f64 = 0.005;
-/// Tolerance beyond the joint limits (rad, or times the reach), for wrong encoder zeros and limits that are set too narrow.
+/// Tolerance beyond the joint limits (rad, or times the reach for a prismatic joint), for wrong encoder zeros and
+/// limits that are too narrow.
 const BEYOND_LIMITS: f64 = FRAC_PI_2;
 
 /// Minimum and maximum commanded angle of each joint within an interval (rad).
@@ -51,7 +52,7 @@ impl Range {
     }
 }
 
-/// A part of the window: the joint angles at its start, and the range of commanded angles during it.
+/// A section of the time window: the joint angles at its start, and the range of commanded angles during it.
 #[derive(Debug, Clone, Copy, Default)]
 struct Block {
     begin: f64,
@@ -59,14 +60,14 @@ struct Block {
     commanded: Range,
 }
 
-/// The latest reading.
+/// Time and joint angles of a reading.
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     stamp: f64,
     position: JointVector,
 }
 
-/// Compares the commands and readings of one finger's joints over the last seconds. Of a fixed size.
+/// Compares commands and readings of one finger's joints over the last seconds. Has a fixed size.
 #[derive(Debug, Clone)]
 pub struct JointMonitor {
     config: MonitorConfig,
@@ -76,11 +77,11 @@ pub struct JointMonitor {
     newest: Option<Reading>,
     /// Integral of the commands since the last restart (rad).
     commanded: JointVector,
-    /// Ring buffer of completed blocks: `count` of them, the newest before `next`.
+    /// Ring buffer of `count` completed blocks. The latest one precedes the index `next`.
     blocks: [Block; BLOCKS],
     next: usize,
     count: usize,
-    /// The block in progress.
+    /// Block that is not complete yet.
     current: Block,
 }
 
@@ -99,7 +100,7 @@ impl JointMonitor {
         }
     }
 
-    /// Forgets all readings, for example because the joints may have been moved externally.
+    /// Discards all readings, for example because the joints may have been moved externally.
     pub fn reset(&mut self) {
         self.newest = None;
     }
@@ -108,7 +109,7 @@ impl JointMonitor {
     /// in effect since the previous reading. Does not allocate.
     ///
     /// # Errors
-    /// If a joint is far outside of its limits, turned too fast, or did not follow its commands.
+    /// If a joint is far outside its limits, moved too fast, or did not follow its commands.
     pub fn watch(
         &mut self,
         finger: usize,
@@ -154,7 +155,7 @@ impl JointMonitor {
         self.check_deviation(finger, reading, scale)
     }
 
-    /// Restarts the comparison at `reading`.
+    /// Restarts the comparison with `reading`.
     fn begin(&mut self, reading: Reading) {
         self.commanded = JointVector::default();
         self.count = 0;
@@ -180,12 +181,12 @@ impl JointMonitor {
         (WINDOW + self.config.servo_lag) / BLOCKS as f64
     }
 
-    /// The completed block `back` blocks before the newest one.
+    /// The completed block that is `back` blocks older than the latest one.
     fn block(&self, back: usize) -> Block {
         self.blocks[(self.next + 2 * BLOCKS - 1 - back) % BLOCKS]
     }
 
-    /// Range of the commanded angles of `blocks` completed blocks, ending `back` blocks before the newest one.
+    /// Range of the commanded angles over `blocks` completed blocks that end `back` blocks before the latest one.
     fn commanded(&self, back: usize, blocks: usize) -> Range {
         let before = (back..back + blocks).map(|back| self.block(back).commanded);
         before.reduce(Range::or).unwrap_or_default()
@@ -222,8 +223,8 @@ impl JointMonitor {
         Ok(())
     }
 
-    /// Checks that no joint's turn deviates from the commands, measured from the oldest block with a known history of
-    /// one lag.
+    /// Checks that the rotation of every joint agrees with the commands, measured from the oldest block for which the
+    /// commands of one preceding lag are known.
     fn check_deviation(
         &self,
         finger: usize,
@@ -256,7 +257,7 @@ impl JointMonitor {
     }
 }
 
-/// First joint whose number exceeds that of `most`, if any.
+/// Index of the first joint whose number exceeds its value in `most`; `None` if there is no such joint.
 fn first_above(numbers: JointVector, most: JointVector) -> Option<usize> {
     (0..numbers.len()).find(|&joint| numbers[joint] > most[joint])
 }

@@ -1,7 +1,7 @@
-//! The single path of motion commands: every command passes the finite check, the workspace, the speed limit of the
-//! fingertip, the joint limits, the joint speed limits and the acceleration limit, in this order.
+//! Single path of all motion commands: every command passes the check for finite values, the workspace, the speed limit
+//! of the fingertip, the joint limits, the joint speed limits and the acceleration limit, in this order.
 //!
-//! Stop commands do not: they stop all drives at once, as fast as the drives brake, regardless of the acceleration
+//! Stop commands bypass it: they stop all drives at once, as fast as the drives brake, regardless of the acceleration
 //! limit.
 
 use crate::check::Checker;
@@ -11,13 +11,13 @@ use crate::hand::kinematics::{damping_threshold, resolved_rate_within};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Limits of all commands, in addition to the joint limits of each finger.
+/// Limits of all motion commands, in addition to the joint limits of each finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LimitsConfig {
-    /// Lower corner of the box that the domes' centres must stay in (m, in W).
+    /// Lower corner of the workspace, the box in which the domes' centres must stay (m, in W).
     pub workspace_lower: [f64; 3],
-    /// Upper corner of that box (m, in W).
+    /// Upper corner of the workspace (m, in W).
     pub workspace_upper: [f64; 3],
     /// Maximum speed of a fingertip (m/s).
     pub fingertip_speed: f64,
@@ -42,7 +42,7 @@ impl Default for LimitsConfig {
     }
 }
 
-/// Requested velocity and current state of one finger.
+/// Requested velocity and current state of one finger, before limiting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Request {
     /// Requested velocity of the fingertip (m/s, in W).
@@ -67,8 +67,8 @@ pub struct LimitedCommand {
 }
 
 impl LimitsConfig {
-    /// Requires every value of the table `key` to be in its range. `over_force` is F2 (N), the largest ordinary
-    /// force.
+    /// Checks that every value of the table `key` is in its range. `over_force` is F2 (N), the largest force in normal
+    /// operation.
     pub fn check(&self, key: &str, over_force: f64, checker: &mut Checker) {
         let positive = [
             ("fingertip_speed", self.fingertip_speed),
@@ -93,8 +93,8 @@ impl LimitsConfig {
         );
     }
 
-    /// Converts a requested fingertip velocity into joint velocities for a control period of `period` seconds, such
-    /// that the finger can always brake before a limit. Returns `None` if the request or the result is not finite.
+    /// Converts a requested fingertip velocity to joint velocities for a control period of `period` seconds, such that
+    /// the finger can always brake before a limit. Returns `None` if the request or the result is not finite.
     pub fn apply_limits(
         &self,
         geometry: &FingerGeometry,
@@ -134,8 +134,8 @@ impl LimitsConfig {
         })
     }
 
-    /// Clamps `velocity` of the first `count` joints to `bounds`, scales it down to the speed limits, and limits its change
-    /// per period.
+    /// Clamps the velocities of the first `count` joints to `bounds`, scales them down to the speed limits, and limits
+    /// their change per period.
     #[inline(always)]
     fn limit_joints(
         &self,
@@ -169,11 +169,11 @@ impl LimitsConfig {
         within
     }
 
-    /// Returns the velocity, slowed down near the boundary of the workspace.
+    /// Reduces the requested velocity near the boundary of the workspace.
     ///
-    /// The assumed braking deceleration of the fingertip is the one at the threshold of singularity damping;
-    /// elsewhere the finger could brake harder. Even closer to a singularity, where the inverse Jacobian is damped,
-    /// the fingertip does not follow its velocity exactly and may leave the workspace slightly.
+    /// The assumed braking deceleration of the fingertip is the one at the threshold of singularity damping; elsewhere
+    /// the finger could brake harder. Even closer to a singularity, where the inverse Jacobian is damped, the fingertip
+    /// does not follow its velocity exactly and may leave the workspace slightly.
     fn keep_in_workspace(
         &self,
         geometry: &FingerGeometry,
@@ -192,31 +192,31 @@ impl LimitsConfig {
     }
 }
 
-/// Limits `value` to `lowest`..`highest`. NaN becomes `lowest`.
+/// Clamps `value` to `lowest`..`highest`. NaN becomes `lowest`.
 #[inline(always)]
 fn clamp(value: f64, [lowest, highest]: [f64; 2]) -> f64 {
     lesser(greater(value, lowest), highest)
 }
 
-/// Stopping distance of a quantity that is commanded once per period.
+/// Braking model of a quantity whose velocity is commanded once per period.
 struct Braking {
-    /// Maximum deceleration, per s².
+    /// Maximum deceleration, in units of the quantity per s².
     deceleration: f64,
     /// Control period (s).
     period: f64,
 }
 
 impl Braking {
-    /// Lowest and highest velocity such that braking ends within the limits `lower` and `upper` of `position`. Outside of
-    /// them, only motion back towards them is allowed.
+    /// Lowest and highest velocity from which braking ends within the limits `lower` and `upper` of `position`. Outside
+    /// the limits, only motion back towards them is allowed.
     #[inline(always)]
     fn bounds(&self, position: f64, (lower, upper): (f64, f64)) -> [f64; 2] {
         let down = self.greatest_speed(position - lower);
         [-down, self.greatest_speed(upper - position)]
     }
 
-    /// Maximum speed that can be stopped within `room`: either in one period, if the deceleration allows that, or by
-    /// `bT` each period, which from speed v covers at most `(v + bT/2)² / 2b`.
+    /// Maximum speed from which a stop within the distance `room` is possible: either in one period, if the
+    /// deceleration allows that, or by `bT` each period, which from speed v covers at most `(v + bT/2)² / 2b`.
     fn greatest_speed(&self, room: f64) -> f64 {
         let (room, most_change) = (room.max(0.0), self.deceleration * self.period);
         let at_once = (room / self.period).min(most_change);

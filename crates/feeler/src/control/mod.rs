@@ -1,4 +1,4 @@
-//! The controller: from forces to flags, fingertip velocities and joint velocities.
+//! Controller: computes contact flags, fingertip velocities and joint velocities from forces.
 
 pub mod background_sensor;
 pub(crate) mod config;

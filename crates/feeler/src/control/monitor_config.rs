@@ -3,21 +3,22 @@
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
-/// Thresholds for implausible sensor data. 0 disables a check.
+/// Thresholds for detecting implausible sensor data. 0 disables a check.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MonitorConfig {
-    /// Maximum deviation of a joint's measured turn from the commanded turn over about two seconds (rad), in addition
-    /// to a fifth of that turn.
+    /// Maximum deviation of a joint's measured rotation from the commanded rotation over about two seconds (rad), in
+    /// addition to a fifth of that rotation.
     pub joint_deviation: f64,
-    /// Maximum time in which the drives follow a command (s): lag and dead time together.
+    /// Maximum time by which the drives follow a command late (s): lag and dead time together.
     pub servo_lag: f64,
     /// Maximum apparent speed of a joint between two readings, as a multiple of its speed limit.
     pub joint_jump: f64,
-    /// Number of consecutive new images with bit-identical forces that stops the hand.
+    /// Number of consecutive new images with bit-identical forces for which the hand is stopped.
     pub frozen_frames: u32,
-    /// Maximum difference between the effort of a joint's motor and that of the measured forces, as a share of the larger
-    /// one, in addition to one and a half times the uncertainty of the effort. Has no effect without [efforts](crate::hand::JointEfforts).
+    /// Maximum difference between the effort of a joint's motor and the effort that balances the measured forces, as a
+    /// fraction of the larger one, in addition to one and a half times the uncertainty of the effort. Has no effect
+    /// without [efforts](crate::hand::JointEfforts).
     #[serde(skip_serializing_if = "is_usual_share")]
     pub effort_share: f64,
 }
@@ -25,7 +26,8 @@ pub struct MonitorConfig {
 /// Default of `effort_share`.
 const EFFORT_SHARE: f64 = 0.3;
 
-/// Omits the default, so that files written before this key existed keep their text.
+/// Returns `true` if the share is the default, which is omitted so that files written before this key existed remain
+/// unchanged.
 fn is_usual_share(share: &f64) -> bool {
     *share == EFFORT_SHARE
 }
@@ -50,7 +52,7 @@ impl Default for MonitorConfig {
 }
 
 impl MonitorConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let ranges = [
             ("joint_deviation", self.joint_deviation, 10.0),
@@ -63,7 +65,7 @@ impl MonitorConfig {
         }
     }
 
-    /// Returns whether all values are the defaults, so that the table can be omitted.
+    /// Returns whether all values are the defaults, in which case the table is omitted.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }

@@ -1,7 +1,7 @@
 //! Observations of one finger as flat arrays of numbers, for learnt policies and Gymnasium environments.
 //!
-//! Velocities and directions are in the fingertip frame `T`, so that one policy works for fingers that face each
-//! other. Forces are in the element frame `E_i`, as sensors deliver them.
+//! Velocities and directions are in the fingertip frame `T`, so that one policy works for fingers that face each other.
+//! Forces are in the element frame `E_i`, as measured.
 
 use super::plan::Plan;
 use super::sense::FingerReadings;
@@ -12,7 +12,7 @@ use std::ops::Range;
 /// Number of entries other than the elements' forces and the joints' positions and velocities.
 const OTHERS: usize = 15;
 
-/// Error returned when an observation cannot be written.
+/// Error of writing an observation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ObservationError {
     /// The finger has a different number of elements than the observation.
@@ -41,7 +41,7 @@ pub enum ObservationError {
     },
 }
 
-/// Layout of an observation.
+/// Layout of the observation of one finger as an array of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ObservationLayout {
     /// Number of elements of the finger.
@@ -62,7 +62,7 @@ pub struct ObservationPart {
 }
 
 impl ObservationLayout {
-    /// Length of the observation.
+    /// Number of values in the observation.
     #[expect(clippy::len_without_is_empty, reason = "no observation is empty")]
     pub fn len(&self) -> usize {
         3 * self.elements + 2 * self.joint_count() + OTHERS
@@ -72,7 +72,7 @@ impl ObservationLayout {
         self.joints.min(MAX_JOINTS)
     }
 
-    /// Parts of an observation, in order. Of a prismatic joint, the position is in m and the velocity in m/s.
+    /// Parts of the observation, in order. For a prismatic joint, the position is in m and the velocity in m/s.
     pub fn parts(&self) -> [ObservationPart; 12] {
         let mut end = 0;
         [
@@ -101,13 +101,13 @@ impl ObservationLayout {
         })
     }
 
-    /// Indices of the part called `name`, or `None` if there is no such part.
+    /// Index range of the part called `name`; `None` if there is no such part.
     pub fn range(&self, name: &str) -> Option<Range<usize>> {
         let mut parts = self.parts().into_iter();
         parts.find_map(|part| (part.name == name).then_some(part.range))
     }
 
-    /// Writes the observation of a finger with the given `plan` and readings. `last_action` is its last requested
+    /// Writes the observation of a finger with the given `plan` and readings. `last_action` is the last requested
     /// fingertip velocity (m/s, in W). Does not allocate.
     ///
     /// # Errors
@@ -160,7 +160,7 @@ impl ObservationLayout {
         Ok(())
     }
 
-    /// Joint quantities of a finger, as in an observation; those of missing joints are 0.
+    /// Converts a joint quantity of a finger for the observation; values of missing joints are 0.
     fn observed_joints(&self, joints: JointVector) -> Result<[f32; MAX_JOINTS], ObservationError> {
         let (expected, actual) = (self.joint_count(), joints.len());
         let error = ObservationError::JointCount { expected, actual };

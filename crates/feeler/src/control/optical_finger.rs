@@ -1,4 +1,4 @@
-//! Control loop of fingers whose fingertips have cameras, from their configurations.
+//! Sets up the control loop of fingers with camera-based fingertips, from their configurations.
 
 use super::config::ControlConfig;
 use super::control_loop::{ControlError, ControlLoop};
@@ -16,20 +16,20 @@ use crate::sensor::image::Camera;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// Number of consecutive control periods that may be missed before the hand is stopped.
+/// Maximum number of consecutive missed control periods; above it, the hand is stopped.
 const MAX_MISSED: u64 = 10;
 
-/// A finger whose fingertip has a camera: its sensor, element layout and geometry.
+/// A finger with a camera-based fingertip: its sensor, element layout and geometry.
 pub struct OpticalFinger<C> {
     sensor: OpticalSensor<C>,
     layout: ElementLayout,
     geometry: FingerGeometry,
 }
 
-/// Error in the setup of a hand.
+/// Error of setting up a hand.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
-    /// The calibration does not describe a fingertip with a dome.
+    /// The calibration was not made for a fingertip with a dome.
     #[error("expected the calibration of a fingertip, got that of a located layout")]
     NoFingertip,
     /// The fingertip is invalid.
@@ -44,7 +44,7 @@ pub enum SetupError {
     /// The control law cannot be set up.
     #[error(transparent)]
     Law(#[from] LawError),
-    /// The hand has another number of fingers.
+    /// The number of fingers differs from that of the hand.
     #[error("expected {expected} fingers, as the hand has, got {actual}")]
     FingerCount {
         /// Number of fingers of the hand.
@@ -55,10 +55,11 @@ pub enum SetupError {
 }
 
 impl<C: Camera> OpticalFinger<C> {
-    /// Creates a finger from the camera in its fingertip, the calibration of that fingertip, and its geometry.
+    /// Creates a finger from the camera in its fingertip, the calibration of that fingertip, and the geometry of the
+    /// finger.
     ///
     /// # Errors
-    /// If the calibration is not that of a fingertip, or a configuration is invalid.
+    /// If the calibration was not made for a fingertip with a dome, or a configuration is invalid.
     pub fn new(
         camera: C,
         calibration: Calibration,
@@ -78,7 +79,7 @@ impl<C: Camera, H: Hand> ControlLoop<FlaggedSensor<OpticalSensor<C>>, H> {
     /// Creates the control loop of `hand` with `fingers`, in the order of the hand's fingers.
     ///
     /// # Errors
-    /// If the hand has another number of fingers, or the control law cannot be set up.
+    /// If the number of fingers differs from that of the hand, or the control law cannot be set up.
     pub fn with_fingers(
         fingers: Vec<OpticalFinger<C>>,
         hand: H,
@@ -102,8 +103,8 @@ impl<C: Camera, H: Hand> ControlLoop<FlaggedSensor<OpticalSensor<C>>, H> {
 }
 
 impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
-    /// Runs the task until it is done, the hand is stopped, or `interrupted` is raised, and returns the last phase. Stops
-    /// the hand at the end, and if ten consecutive periods are missed.
+    /// Runs the task until it is done, the hand is stopped, or `interrupted` is set, and returns the last phase. Stops
+    /// the hand at the end, and if more than ten consecutive periods are missed.
     ///
     /// # Errors
     /// If the hand or a sensor fails.

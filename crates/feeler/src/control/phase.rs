@@ -5,22 +5,22 @@ use std::fmt;
 
 /// Phase of a task.
 ///
-/// Recordings contain these numbers.
+/// The numeric values are stored in recordings.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(into = "u8", try_from = "u8")]
 pub enum Phase {
-    /// The fingers approach the object.
+    /// Search: the fingers approach the object.
     #[default]
     Search = 0,
-    /// The fingers move the object.
+    /// Move: the fingers move the object.
     Move = 1,
-    /// The fingers release the object.
+    /// Release: the fingers release the object.
     Release = 2,
-    /// The fingers return home.
+    /// Return: the fingers return to their home positions.
     Return = 3,
-    /// All strokes are done.
+    /// Done: the task has ended.
     Done = 4,
-    /// The hand was stopped.
+    /// Stopped: the hand was stopped.
     Stopped = 5,
 }
 

@@ -6,7 +6,7 @@ use crate::hand::{HandState, JointState};
 use crate::sensor::fingertip::layout::ElementLayout;
 use glam::{DMat3, DVec3};
 
-/// Pose of a fingertip, from its encoders.
+/// Pose of a fingertip, computed from the joint angles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FingertipPose {
     /// Position of the dome's centre (m, in W).
@@ -38,18 +38,18 @@ pub struct FingerReadings<'a> {
 }
 
 impl FingerReadings<'_> {
-    /// TOUCH, SLIP, OVER and the grasp force.
+    /// Contact flags TOUCH, SLIP and OVER, and grasp force.
     pub fn flags(&self) -> &FingerFlags {
         &self.touch.flags
     }
 
-    /// The dome's outward normal at `element`, a unit vector in W, or `None` if there is no such element.
+    /// Outward normal of the dome at `element`, a unit vector in W; `None` if there is no such element.
     pub fn normal(&self, element: usize) -> Option<DVec3> {
         let element = self.layout.elements.get(element)?;
         Some(self.pose.rotation * element.normal())
     }
 
-    /// Force on the feeler of `element` by the object (N, in W), or zero if there is no such element.
+    /// Force on the feeler of `element` by the object (N, in W); zero if there is no such element.
     pub fn force(&self, element: usize) -> DVec3 {
         let force = self.touch.frame.forces.get(element);
         let element = self.layout.elements.get(element);
@@ -75,12 +75,12 @@ pub struct HandReadings<'a> {
     pub poses: &'a [FingertipPose],
     /// Joint angles and velocities of each finger.
     pub joints: &'a [JointState],
-    /// Tactile readings of each finger since the last control step.
+    /// Tactile reading of each finger since the last control step.
     pub touches: &'a [TactileReading],
     /// Element layout of each finger.
     pub layouts: &'a [ElementLayout],
-    /// `true` for each finger that the control law considers closed on the object; `None` or a missing entry leaves
-    /// the decision to the task.
+    /// `true` for each finger that the control law considers closed on the object. If `None` or missing, the task
+    /// decides.
     pub closed: &'a [Option<bool>],
 }
 
@@ -103,8 +103,8 @@ impl<'a> HandReadings<'a> {
         }
     }
 
-    /// Returns whether `finger` has closed on the object. The control law decides, if it does so; otherwise the grasp
-    /// force must be at least `grasp_force` (N). `false` if there is no such finger.
+    /// Returns whether `finger` has closed on the object. If the control law does not decide, the grasp force must be
+    /// at least `grasp_force` (N). `false` if there is no such finger.
     pub fn has_closed(&self, finger: usize, grasp_force: f64) -> bool {
         let by_force = || {
             let touch = self.touches.get(finger);
@@ -124,7 +124,7 @@ impl<'a> HandReadings<'a> {
         })
     }
 
-    /// Iterates over the fingers.
+    /// Iterates over the readings of all fingers.
     pub fn fingers(&self) -> impl Iterator<Item = FingerReadings<'a>> + use<'a> {
         let stand = self.poses.iter().zip(self.joints);
         let fingers = stand.zip(self.touches).zip(self.layouts);

@@ -1,25 +1,26 @@
-//! Slip detection per element from missing shear.
+//! Detects slip of single elements from missing shear.
 //!
-//! A feeler that sticks to an object at rest is a spring between its tip and a fixed point, so the fingertip's motion
-//! predicts its next shear force. Shear that is missing from the prediction has been lost by slipping. The paper's
-//! detector uses only the shear rate ([`FlagAnalyzer`](super::flags::FlagAnalyzer)) and cannot distinguish a feeler
-//! that slips from one that sticks to a fast fingertip.
+//! A feeler that sticks to an object at rest acts as a spring between its base and a fixed point, so its next shear
+//! force can be predicted from the fingertip's motion. Shear that is missing compared with the prediction has been lost
+//! by slipping. The paper's detector uses only the shear rate ([`FlagAnalyzer`](super::flags::FlagAnalyzer)) and cannot
+//! distinguish a feeler that slips from one that sticks to a fast fingertip.
 //!
-//! On an object that moves along with the fingertip, all sticking elements miss the same share of the predicted
+//! On an object that moves along with the fingertip, all sticking elements miss the same fraction of the predicted
 //! change, because their springs are stretched by only a part of the fingertip's motion.
-//! [`SlipDetector::for_movable_object`] attributes the share that every touching element misses to the object's motion.
-//! A dragged object moves no farther than the fingertip, so an element that misses more than the whole predicted
-//! change has slipped. If all touching elements slip alike by less than that, the slip is not detected.
+//! [`SlipDetector::for_movable_object`] attributes the fraction that is missing on every element in contact to the
+//! object's motion. A dragged object moves no farther than the fingertip, so an element that misses more than the
+//! entire predicted change has slipped. If all elements in contact slip alike by less than that, the slip is not
+//! detected.
 
 use super::feeler_shape::{FeelerShape, Stiffness};
 use super::sense::{FingerReadings, FingertipPose};
 use glam::DVec3;
 
-/// Share of the predicted shear change that may be missing because the stiffness is uncertain.
+/// Fraction of the predicted shear change that may be missing because the stiffness is uncertain.
 const DOUBT: f64 = 0.08;
-/// Share of the shear missing at the previous frame that is carried over to the next frame.
+/// Fraction of the shear missing at the previous frame that is added to the next frame.
 const PERSISTENCE: f64 = 0.8;
-/// Maximum shear that is carried over (N), too small to count as slip by itself.
+/// Maximum shear that is added from the previous frame (N), too small to count as slip by itself.
 const MAX_CARRIED: f64 = 0.004;
 
 /// Predicts the shear of each element from frame to frame and reports the missing part.
@@ -29,20 +30,20 @@ pub struct SlipDetector {
     feeler: FeelerShape,
     /// Compression (N) that an element must exceed in two consecutive frames to be evaluated.
     touch_force: f64,
-    /// `true` if the touched object may move.
+    /// `true` if the object may move along with the fingertip.
     may_move: bool,
     /// Fingertip pose at the previous frame.
     before: Option<FingertipPose>,
     /// Forces at the previous frame (N).
     forces: Vec<DVec3>,
-    /// Predicted shear on an object at rest (N), or `None` for elements that are not evaluated.
+    /// Predicted shear for an object at rest (N); `None` for elements that are not evaluated.
     predicted: Vec<Option<DVec3>>,
     /// Shear lost by slipping since the previous frame (N).
     missing: Vec<f64>,
 }
 
 impl SlipDetector {
-    /// Creates a detector for a finger of `elements` elements that touches an object at rest.
+    /// Creates a detector for a finger of `elements` elements that is in contact with an object at rest.
     pub fn new(feeler: FeelerShape, elements: usize) -> Self {
         Self {
             feeler,
@@ -55,8 +56,8 @@ impl SlipDetector {
         }
     }
 
-    /// Creates a detector for an object that may move along with the fingertip. Only elements that are pressed harder
-    /// than `touch_force` (F1, N) are evaluated, because looser elements carry no information about the object's
+    /// Creates a detector for an object that may move along with the fingertip. Only elements with a compression above
+    /// `touch_force` (F1, N) are evaluated, because less compressed elements carry no information about the object's
     /// motion.
     pub fn for_movable_object(feeler: FeelerShape, touch_force: f64, elements: usize) -> Self {
         Self {
@@ -72,24 +73,24 @@ impl SlipDetector {
         self.feeler.shear_stiffness = stiffness.shear;
     }
 
-    /// Returns the shear (N) that each element has lost by slipping, less a margin for the uncertain stiffness, plus
-    /// a part of its earlier loss, because a slipping element tends to keep slipping. It is about 0 or negative for
-    /// elements that stick, do not touch, or have just begun to touch. Must be called once per frame.
+    /// Returns the shear (N) that each element has lost by slipping, less a margin for the uncertain stiffness, plus a
+    /// part of its earlier loss, because a slipping element tends to keep slipping. It is about 0 or negative for
+    /// elements that stick, are not in contact, or have just come into contact. Must be called once per frame.
     pub fn detect(&mut self, finger: &FingerReadings<'_>) -> &[f64] {
         let along = self.predict_shear(finger);
         self.detect_on(finger, along)
     }
 
-    /// Predicts the shear of this frame. Returns the share of the fingertip's motion that the touched object may have
-    /// followed, 0 to 1, judged by this finger alone. Must be called once per frame, before
+    /// Predicts the shear of this frame. Returns the fraction (0 to 1) of the fingertip's motion that the object may
+    /// have followed, estimated from this finger alone. Must be called once per frame, before
     /// [`detect_on`](Self::detect_on).
     pub fn predict_shear(&mut self, finger: &FingerReadings<'_>) -> f64 {
         self.predict(finger);
         self.gone_along(&finger.touch.frame.forces)
     }
 
-    /// Like [`detect`](Self::detect), but for an object that has followed the share `along` of the fingertip's
-    /// motion, 0 to 1.
+    /// Like [`detect`](Self::detect), but for an object that has followed the fraction `along` (0 to 1) of the
+    /// fingertip's motion.
     pub fn detect_on(&mut self, finger: &FingerReadings<'_>, along: f64) -> &[f64] {
         let forces = &finger.touch.frame.forces;
         let own = self.forces.iter_mut().zip(&mut self.missing);
@@ -107,7 +108,7 @@ impl SlipDetector {
         &self.missing
     }
 
-    /// Predicts the shear of every element that touches in both the previous and the current frame.
+    /// Predicts the shear of every element that is in contact in both the previous and the current frame.
     fn predict(&mut self, finger: &FingerReadings<'_>) {
         let now = finger.pose;
         let before = self.before.replace(now).unwrap_or(now);
@@ -127,8 +128,8 @@ impl SlipDetector {
         }
     }
 
-    /// Share of the fingertip's motion that the object has followed, 0 to 1: the smallest share of the predicted
-    /// change that any touching element misses. 1 if no element touches.
+    /// Fraction (0 to 1) of the fingertip's motion that the object has followed: the smallest fraction of the predicted
+    /// change that is missing on any element in contact. 1 if no element is in contact.
     fn gone_along(&self, forces: &[DVec3]) -> f64 {
         if !self.may_move {
             return 0.0;
@@ -145,8 +146,8 @@ impl SlipDetector {
     }
 }
 
-/// Predicts the force on a sticking element whose undeformed tip moves from one pose to another. `last` is its
-/// previous force.
+/// Predicts the force on a sticking element whose undeformed tip moves from the pose `before` to the pose `now`. `last`
+/// is its previous force.
 fn foretold_force(feeler: &FeelerShape, [before, now]: &[FingertipPose; 2], last: DVec3) -> DVec3 {
     // Displacement of the tip from rest in its own frame: along -z by the compression, across by the shear.
     let pushed = feeler.stiffness().displacement(last);

@@ -1,19 +1,19 @@
 //! Reasons for stopping a hand before its task is done.
 
-/// Reason for which the hand was stopped before its task was done.
+/// Reason for stopping a hand before its task was done.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StopReason {
-    /// A finger found no object to grasp.
+    /// A finger found no object within its maximum travel.
     #[error("finger {finger} travelled {travel:.4} m from home without a grasp (limit {limit} m)")]
     NothingToGrasp {
         /// Index of the finger.
         finger: usize,
-        /// Distance that the finger travelled from home (m).
+        /// Distance that the finger has moved from home (m).
         travel: f64,
-        /// Maximum travel (m).
+        /// Maximum distance (m).
         limit: f64,
     },
-    /// A finger lost contact with the object it was pressing.
+    /// A finger lost contact with the object during the task.
     #[error(
         "finger {finger} lost contact while it sheared or slid: expected an object that extends along its axis as far as the finger slides"
     )]
@@ -24,7 +24,7 @@ pub enum StopReason {
     /// The input has a different number of fingers than the hand.
     #[error("expected {what} of {expected} fingers, got {actual}")]
     FingerCount {
-        /// Kind of input.
+        /// Name of the input.
         what: &'static str,
         /// Number of fingers of the hand.
         expected: usize,
@@ -54,10 +54,10 @@ pub enum StopReason {
     /// A tactile sensor or the hand's encoders could not be read.
     #[error("{what} could not be read")]
     ReadFailed {
-        /// Device that could not be read.
+        /// Name of the device that could not be read.
         what: &'static str,
     },
-    /// A finger's forces are too old, or their stamp is in the future.
+    /// The forces of a finger are too old, or their stamp is in the future.
     #[error("the forces of finger {finger} are {age:.4} s old (limit {limit} s)")]
     StaleForces {
         /// Index of the finger.
@@ -75,17 +75,18 @@ pub enum StopReason {
         /// Maximum age (s).
         limit: f64,
     },
-    /// The force on an element is unknown: its sub-region is dark or saturated, or the measurement is not a number.
+    /// The force on an element is unknown: its sub-region is dark or saturated, or its value is not a number.
     #[error(
         "element {element} of finger {finger} has no valid force: its sub-region is dark or saturated, or its force is not a number"
     )]
     NoForce {
         /// Index of the finger.
         finger: usize,
-        /// The first such element.
+        /// Index of the first such element.
         element: usize,
     },
-    /// New images keep giving bit-identical forces, which camera noise prevents on a working camera.
+    /// New images repeatedly give bit-identical forces, which indicates a stuck camera because of the noise of a
+    /// working one.
     #[error(
         "the last {frames} images of finger {finger} gave forces identical to those before: its camera is frozen (for a sensor without noise, set control.monitor.frozen_frames = 0)"
     )]
@@ -95,7 +96,7 @@ pub enum StopReason {
         /// Number of consecutive frames with unchanged forces.
         frames: u32,
     },
-    /// A joint angle is far outside of the joint's limits.
+    /// A joint angle is far outside the joint's limits.
     #[error(
         "joint {joint} of finger {finger} reads {angle:.4} rad, far beyond its limits of {lower:.4} to {upper:.4} rad"
     )]
@@ -111,7 +112,7 @@ pub enum StopReason {
         /// Upper limit (rad).
         upper: f64,
     },
-    /// A joint turned faster than it can.
+    /// A joint angle changed faster than the joint can move.
     #[error(
         "joint {joint} of finger {finger} jumped by {turn:.4} rad within {elapsed:.4} s (limit {limit:.4} rad)"
     )]
@@ -120,11 +121,11 @@ pub enum StopReason {
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Turn between two readings (rad).
+        /// Change of the joint angle between two readings (rad).
         turn: f64,
         /// Time between the readings (s).
         elapsed: f64,
-        /// Maximum possible turn (rad).
+        /// Maximum possible change (rad).
         limit: f64,
     },
     /// A joint did not follow its commands.
@@ -136,14 +137,14 @@ pub enum StopReason {
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Measured turn (rad).
+        /// Measured rotation (rad).
         turn: f64,
-        /// Closest turn that agrees with the commands and the drives' lag (rad).
+        /// Closest rotation that agrees with the commands and the drives' lag (rad).
         expected: f64,
-        /// Duration of the turn (s).
+        /// Duration of the rotation (s).
         time: f64,
     },
-    /// The force that a fingertip measures contradicts the effort of a joint's motor.
+    /// The effort of a joint's motor contradicts the forces measured by the fingertip.
     #[error(
         "the motor of joint {joint} of finger {finger} exerts {effort:.3}, but the fingertip's forces require {felt:.3} (N m or N, tolerance {tolerance:.3}): its tactile sensor has failed, or the finger touches something beside its fingertip"
     )]
@@ -152,19 +153,19 @@ pub enum StopReason {
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Mean effort of the motor (N m or N).
+        /// Mean effort of the motor (N m, or N for a prismatic joint).
         effort: f64,
-        /// Mean effort that balances the measured forces (N m or N).
+        /// Mean effort that would balance the measured forces (N m, or N for a prismatic joint).
         felt: f64,
-        /// Maximum difference (N m or N).
+        /// Maximum allowed difference (N m or N).
         tolerance: f64,
     },
-    /// An element is pressed harder than the limits allow.
+    /// The compression of an element exceeds the limit.
     #[error("element {element} of finger {finger} is pressed with {force:.2} N (limit {limit} N)")]
     Overload {
         /// Index of the finger.
         finger: usize,
-        /// The first such element.
+        /// Index of the first such element.
         element: usize,
         /// Compression of the element (N).
         force: f64,
@@ -183,7 +184,7 @@ pub enum StopReason {
         /// Source of the request.
         by: String,
     },
-    /// The control loop was late, so that the drives kept executing a stale command.
+    /// The control loop missed too many periods, so that the drives kept executing a stale command.
     #[error("the control loop missed {missed} periods in a row (limit {limit})")]
     MissedPeriods {
         /// Number of consecutive periods without a step.
@@ -191,7 +192,7 @@ pub enum StopReason {
         /// Maximum number of missed periods.
         limit: u64,
     },
-    /// In a replay: the recorded hand was stopped at this step by an external request.
+    /// The recorded hand was stopped at this step by an external request; only in a replay.
     #[error("the recorded hand was stopped by an external request")]
     Recorded,
     /// A force, a joint angle or a command is not a finite number.
@@ -199,7 +200,7 @@ pub enum StopReason {
     NotFinite {
         /// Index of the finger.
         finger: usize,
-        /// The affected quantity.
+        /// Name of the affected quantity.
         what: &'static str,
     },
 }
@@ -222,8 +223,8 @@ impl StopReason {
         )
     }
 
-    /// Returns whether the cause may go away while the hand waits, so that it can resume. After a sensor fault, an
-    /// operator must check the hand and request that.
+    /// Returns whether the hand may resume automatically because the cause can disappear. After a sensor fault, an
+    /// operator must check the hand and request to resume.
     pub fn is_recoverable(&self) -> bool {
         self.is_stale()
             || self.is_sensor_fault()

@@ -1,16 +1,16 @@
-//! Detects a frozen camera by its repeated forces.
+//! Detects a stuck camera by its repeated forces.
 
 use super::stop_reason::StopReason;
 use super::touch::TactileReading;
 use glam::DVec3;
 
-/// Counts new tactile frames with bit-identical forces. Camera noise changes every image and with it the forces; a
-/// driver that repeats an image under new stamps does not.
+/// Counts consecutive tactile frames with new stamps but bit-identical forces. Camera noise changes every image and
+/// thus the forces; a driver that repeats an image with new stamps does not.
 ///
 /// Frames in which all forces are zero do not count, because a sensor may suppress forces below its resolution.
 #[derive(Debug, Clone)]
 pub struct StuckSensorDetector {
-    /// Number of consecutive repetitions that is a fault; 0 disables the check.
+    /// Number of consecutive repetitions that counts as a fault; 0 disables the check.
     limit: u32,
     /// Sequence number of the latest frame.
     sequence: Option<u64>,
@@ -32,7 +32,7 @@ impl StuckSensorDetector {
         }
     }
 
-    /// Forgets all previous frames.
+    /// Discards all previous frames.
     pub fn reset(&mut self) {
         (self.sequence, self.same) = (None, 0);
     }

@@ -4,17 +4,17 @@ use super::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
 use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
 use crate::sensor::image::frame::Frame;
 
-/// A tactile reading of one finger: its latest forces, and the flags of all frames since the last control step.
+/// Tactile reading of one finger: its latest forces, and the combined flags of all frames since the last control step.
 ///
 /// Allocate it once with [`TactileReading::none`] and reuse it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TactileReading {
     /// The latest forces.
     pub frame: TactileFrame,
-    /// Time of the latest distinct image (s), or NaN before the first. Repetitions of an image do not update it, so
-    /// the readings of a stuck camera become stale.
+    /// Time of the latest distinct image (s); NaN before the first one. It is not updated when an image is repeated, so
+    /// that the readings of a stuck camera become stale.
     pub stamp: f64,
-    /// The flags, each raised if it was raised in any of the frames.
+    /// Flags, each raised if it was raised in any of the frames.
     pub flags: FingerFlags,
     /// Shear rate |d(F_x, F_y)/dt| of each element at the latest frame (N/s).
     pub shear_rate: Vec<f64>,
@@ -31,7 +31,7 @@ impl TactileReading {
         }
     }
 
-    /// Updates the flags and shear rates from the frame by `analyzer`.
+    /// Updates flags and shear rates by analysing the frame with `analyzer`.
     pub fn analyze(&mut self, analyzer: &mut FlagAnalyzer) {
         self.flags = analyzer.analyze(&self.frame);
         self.stamp = analyzer.stamp();
@@ -49,13 +49,13 @@ impl TactileReading {
     }
 }
 
-/// A source of tactile readings for one finger.
+/// Source of tactile readings for one finger.
 pub trait TactileSource {
     /// Number of sensing elements.
     fn element_count(&self) -> usize;
 
-    /// Called right before [`touch`](Self::touch). Sources that sense on a background thread start here, so that
-    /// those of several fingers run in parallel; the default does nothing.
+    /// Called right before [`touch`](Self::touch), to start sensing on a background thread, so that several fingers are
+    /// sensed in parallel. The default does nothing.
     fn begin(&mut self) {}
 
     /// Fills `touch` with the readings since the last call, or with the previous reading if there is no new data.
@@ -64,19 +64,19 @@ pub trait TactileSource {
     /// If `touch` has a different number of elements, or the sensor failed.
     fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError>;
 
-    /// Frames that were measured before the one of the latest [`touch`](Self::touch) and after the one before it, oldest
-    /// first. Empty by default, for sensors that measure at most once per control step.
+    /// Frames measured between those of the previous and the latest [`touch`](Self::touch), oldest first. Empty by
+    /// default, for sensors that measure at most once per control step.
     fn earlier_frames(&self) -> &[TactileFrame] {
         &[]
     }
 
-    /// The camera frame from which the latest forces were measured, if available.
+    /// Camera frame from which the latest forces were computed, if available.
     fn frame(&self) -> Option<&Frame> {
         None
     }
 }
 
-/// A tactile sensor with a flag analyzer.
+/// Tactile sensor with a [`FlagAnalyzer`] that computes its contact flags.
 #[derive(Debug, Clone)]
 pub struct FlaggedSensor<S> {
     sensor: S,
@@ -84,7 +84,7 @@ pub struct FlaggedSensor<S> {
 }
 
 impl<S: TactileSensor> FlaggedSensor<S> {
-    /// Computes flags by `thresholds` from the measurements of `sensor`.
+    /// Creates a source of readings from `sensor`, with flags computed with `thresholds`.
     pub fn new(sensor: S, thresholds: FlagThresholds) -> Self {
         let analyzer = FlagAnalyzer::new(thresholds, sensor.element_count());
         Self { sensor, analyzer }

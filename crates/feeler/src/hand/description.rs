@@ -1,4 +1,4 @@
-//! Description of a finger of any kinematics, as in the experiment file.
+//! Configuration of a finger with any kinematics, as in the experiment file.
 
 use super::chain::{ChainConfig, DhRow, FrameRow, JointConfig};
 use super::finger::FingerConfig;
@@ -7,19 +7,19 @@ use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Configuration of a finger: the paper's three joints, or a chain of one to seven joints. A table with the key `joints`
-/// describes a chain.
+/// Configuration of a finger: the three joints of the reference finger (paper, section III), or a chain of one to seven
+/// joints. A table with the key `joints` describes a chain.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum FingerDescription {
-    /// The paper's three joints.
+    /// The three joints of the reference finger.
     ThreeJoints(FingerConfig),
     /// One to seven joints of any arrangement.
     Chain(ChainConfig),
 }
 
 impl FingerDescription {
-    /// The paper's three joints, or `None` for a chain.
+    /// Configuration of the three joints of the reference finger; `None` for a chain.
     pub fn three_joints(&self) -> Option<&FingerConfig> {
         match self {
             Self::ThreeJoints(config) => Some(config),
@@ -56,7 +56,7 @@ impl From<ChainConfig> for FingerDescription {
     }
 }
 
-/// All keys of both kinds of tables.
+/// Keys of both kinds of tables.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Keys {
@@ -142,7 +142,7 @@ fn required<T, E: Error>(value: Option<T>, key: &'static str) -> Result<T, E> {
     value.ok_or_else(|| E::missing_field(key))
 }
 
-/// Rejects keys that belong to the other kind of finger.
+/// Rejects keys that belong to the other kind of table.
 fn only<E: Error>(foreign: &[(&str, bool)], place: &str) -> Result<(), E> {
     match foreign.iter().find(|(_, given)| *given) {
         Some((key, _)) => Err(E::custom(format!("`{key}`: expected only {place}"))),
@@ -150,7 +150,7 @@ fn only<E: Error>(foreign: &[(&str, bool)], place: &str) -> Result<(), E> {
     }
 }
 
-/// Reports missing keys at the table's own position, as derived implementations do.
+/// Visitor that reports missing keys at the position of the table, as derived implementations do.
 struct Table;
 
 impl<'de> Visitor<'de> for Table {

@@ -1,15 +1,15 @@
-//! Configuration of a finger with the paper's three joints.
+//! Configuration of a finger with the three joints of the paper's reference finger.
 
 use super::chain::ChainError;
 use serde::{Deserialize, Serialize};
 
-/// Accepted range of link lengths (m). The first link may also be 0.
+/// Valid range of link lengths (m). The first link may also be 0.
 const LINK_RANGE: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
 
-/// Maximum absolute coordinate of a finger base (m).
+/// Maximum absolute value of a base coordinate (m).
 const BASE_RANGE: f64 = 100.0;
 
-/// Maximum absolute angle in a configuration (degrees).
+/// Maximum absolute value of an angle in a configuration (degrees).
 const ANGLE_RANGE_DEG: f64 = 360.0;
 
 /// Configuration of a finger with three joints, as in the experiment file.
@@ -64,7 +64,7 @@ pub enum FingerError {
     Chain(#[from] ChainError),
 }
 
-/// Checks that every value of `config` is finite and within the range that its field documents.
+/// Checks that every value of `config` is finite and within the range documented for its field.
 pub(super) fn check(config: &FingerConfig) -> Result<(), FingerError> {
     let in_range = |field: &str, value, good: bool, expected| {
         if good {

@@ -7,7 +7,7 @@ use super::joint_vector::JointVector;
 use super::three_joints::ThreeJoints;
 use glam::{DMat3, DVec3};
 
-/// A checked [`FingerConfig`] or [`ChainConfig`], with precomputed transforms.
+/// Kinematics and joint limits of a finger: a checked [`FingerConfig`] or [`ChainConfig`], with precomputed transforms.
 ///
 /// Positions and speeds of a joint are in rad and rad/s, or in m and m/s for the prismatic joint of a chain.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,10 +19,10 @@ pub struct FingerGeometry {
     joint_scale: JointVector,
 }
 
-/// Kinematics of a finger.
+/// Kinematics of a finger, by type.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Kinematics {
-    /// The paper's three joints, in closed form.
+    /// Three joints of the paper's reference finger, in closed form.
     ThreeJoints(ThreeJoints),
     /// One to seven joints of any arrangement.
     Chain(Box<Chain>),
@@ -40,10 +40,10 @@ pub struct FrameLimits {
 }
 
 impl FingerGeometry {
-    /// Checks the configuration of a finger with the paper's three joints, and precomputes the base rotation.
+    /// Builds the geometry of a finger with the three joints of the paper's reference finger.
     ///
     /// # Errors
-    /// If a value is not finite or outside of the range that its field documents.
+    /// If a value is not finite or outside the range documented for its field.
     pub fn new(config: &FingerConfig) -> Result<Self, FingerError> {
         check(config)?;
         Ok(Self {
@@ -55,11 +55,11 @@ impl FingerGeometry {
         })
     }
 
-    /// Checks the configuration of a finger of one to seven joints, and precomputes the transforms.
+    /// Builds the geometry of a finger with one to seven joints.
     ///
     /// # Errors
-    /// If a value is not finite or outside of the range that its field documents, or the rows and joints do not refer
-    /// to each other as documented.
+    /// If a value is not finite or outside the range documented for its field, or if rows and joints do not refer to
+    /// each other as documented.
     pub fn chain(config: &ChainConfig) -> Result<Self, FingerError> {
         let chain = Chain::new(config)?;
         let of_joints = |values| JointVector::first(values, chain.joint_count());
@@ -75,7 +75,7 @@ impl FingerGeometry {
         })
     }
 
-    /// Checks `description` and precomputes the transforms.
+    /// Builds the geometry of a finger from `description`.
     ///
     /// # Errors
     /// If [`new`](Self::new) or [`chain`](Self::chain) returns an error.
@@ -124,7 +124,8 @@ impl FingerGeometry {
         }
     }
 
-    /// Displacement of each joint to which tolerances of one radian apply: 1 rad, or the reach (m) of a prismatic joint.
+    /// Scale of each joint for tolerances: change of its position that corresponds to 1 rad. 1 rad, or the reach (m)
+    /// for a prismatic joint.
     #[inline]
     pub fn joint_scale(&self) -> JointVector {
         self.joint_scale
@@ -151,7 +152,8 @@ impl FingerGeometry {
         }
     }
 
-    /// Number of moving frames, at least the number of joints: coupled frames follow the same joint.
+    /// Number of moving frames. It is at least the number of joints, because several coupled frames may follow the same
+    /// joint.
     pub fn frame_count(&self) -> usize {
         match &self.kinematics {
             Kinematics::ThreeJoints(_) => self.joint_count(),
@@ -190,8 +192,8 @@ impl FingerGeometry {
         })
     }
 
-    /// Endpoints of the drawn links in `W` (m), from the base to the fingertip, at the joint positions `joints` (rad or m).
-    /// `tip` is the fingertip pose at `joints`.
+    /// Endpoints in `W` (m) of the links to draw, from the base to the fingertip, at the joint positions `joints` (rad
+    /// or m). `tip` is the fingertip pose at `joints`.
     pub fn skeleton(&self, joints: JointVector, tip: (DVec3, DMat3)) -> Vec<DVec3> {
         match &self.kinematics {
             Kinematics::ThreeJoints(finger) => finger.skeleton(joints[0], tip).into(),

@@ -5,10 +5,11 @@ use super::joint_vector::JointVector;
 /// Maximum number of fingers of a hand.
 pub const MAX_FINGERS: usize = 5;
 
-/// Encoder readings of one finger.
+/// Joint positions and velocities of one finger, measured by encoders.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// Joint positions (rad or m), from the base to the fingertip. Empty, which counts as zeros, before the first reading.
+    /// Joint positions (rad or m), from the base to the fingertip. Empty before the first reading, which counts as
+    /// zeros.
     pub position: JointVector,
     /// Joint velocities (rad/s or m/s).
     pub velocity: JointVector,
@@ -25,12 +26,12 @@ impl JointState {
 }
 
 /// Efforts of the drives of one finger: torques (N m) of revolute joints and forces (N) of prismatic joints, estimated
-/// from the motors' currents. Empty if the drives measure none.
+/// from motor currents. Empty if the drives do not measure currents.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointEfforts {
     /// Effort on each joint by its motor, positive if it increases the joint's position. NaN if unknown.
     pub effort: JointVector,
-    /// Uncertainty of each effort: calibration and friction, which may act in either direction.
+    /// Uncertainty of each effort due to calibration and friction, which may act in either direction.
     pub uncertainty: JointVector,
 }
 
@@ -41,12 +42,12 @@ pub struct HandState {
     pub stamp: f64,
     /// Readings, one per finger.
     pub joints: Vec<JointState>,
-    /// Efforts of the drives, one per finger. Hands without such measurements leave them empty.
+    /// Efforts of the drives, one per finger. Empty if the hand does not measure them.
     pub efforts: Vec<JointEfforts>,
 }
 
 impl HandState {
-    /// Returns the state of `fingers` fingers with empty joint vectors, which count as 0, at time 0.
+    /// Returns the state of `fingers` fingers at time 0, with empty joint vectors, which count as zeros.
     pub fn zero(fingers: usize) -> Self {
         Self {
             stamp: 0.0,
@@ -56,11 +57,11 @@ impl HandState {
     }
 }
 
-/// Joint velocities for all fingers, in effect until the next command.
+/// Joint velocities of all fingers, in effect until the next command.
 ///
-/// Only the controller can create a command that moves a finger, and only with velocities that have passed the
-/// limits. Other code can only [`stop`](Self::stop) the hand or [`relay`](Self::relay) the command of a hand program
-/// that runs elsewhere.
+/// Only the controller can create a command that moves a finger, and only with velocities that have passed the limits.
+/// Other code can only [`stop`](Self::stop) the hand or [`relay`](Self::relay) the command of a hand program that runs
+/// elsewhere.
 ///
 /// ```compile_fail,E0451
 /// use feeler::hand::{HandCommand, JointVector};
@@ -79,8 +80,8 @@ impl HandCommand {
         }
     }
 
-    /// Joint velocities of each finger, from the base to the fingertip (rad/s or m/s). Empty for a finger that stops, which counts as
-    /// zero velocities.
+    /// Joint velocities of each finger, from the base to the fingertip (rad/s or m/s). Empty for a finger that must
+    /// stop, which counts as zeros.
     pub fn joint_velocity(&self) -> &[JointVector] {
         &self.joint_velocity
     }
@@ -90,9 +91,9 @@ impl HandCommand {
         self.joint_velocity.fill(JointVector::default());
     }
 
-    /// Copies the joint velocities (rad/s) of a command that a remote hand program sent and its controller has
-    /// already limited. Fingers that are missing from `joint_velocity` stop. For the process that owns the drives.
-    /// Does not allocate.
+    /// Copies the joint velocities (rad/s) of a command from a remote hand program, whose controller has already
+    /// limited them. Fingers that are missing in `joint_velocity` stop. For the process that controls the drives. Does
+    /// not allocate.
     pub fn relay(&mut self, joint_velocity: &[JointVector]) {
         self.set_to_stop();
         for (own, &relayed) in self.joint_velocity.iter_mut().zip(joint_velocity) {
@@ -100,13 +101,13 @@ impl HandCommand {
         }
     }
 
-    /// Mutable access to the velocities, for the controller to fill in the limited ones.
+    /// Mutable access to the velocities, for the controller, which writes the limited ones.
     pub(crate) fn admitted_mut(&mut self) -> &mut [JointVector] {
         &mut self.joint_velocity
     }
 }
 
-/// Error returned when a hand cannot be read or moved.
+/// Error of reading or commanding a hand.
 #[derive(Debug, thiserror::Error)]
 pub enum HandError {
     /// The state or command has a different number of fingers than the hand.
@@ -117,7 +118,7 @@ pub enum HandError {
         /// Number of fingers of the state or command.
         actual: usize,
     },
-    /// A finger has more joints than the hand can read or move.
+    /// A finger has more joints than the hand supports.
     #[error("expected at most {expected} joints per finger, got {actual}")]
     JointCount {
         /// Maximum number of joints per finger.
@@ -136,7 +137,7 @@ pub enum HandError {
     },
 }
 
-/// Checks that a state or command has as many fingers as the hand.
+/// Checks that the number of fingers in a state or command equals that of the hand.
 ///
 /// # Errors
 /// If `actual` differs from `expected`.
@@ -148,7 +149,7 @@ pub fn check_finger_count(expected: usize, actual: usize) -> Result<(), HandErro
     }
 }
 
-/// A hand of velocity-controlled fingers.
+/// Interface to a hand with velocity-controlled fingers.
 pub trait Hand {
     /// Number of fingers.
     fn finger_count(&self) -> usize;
@@ -160,7 +161,7 @@ pub trait Hand {
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError>;
 
     /// Sends joint velocities to the drives. They are in effect for one control period; a simulated hand advances its
-    /// world by that period.
+    /// simulation by that period.
     ///
     /// # Errors
     /// If `command` has a different number of fingers, or the drives rejected it.

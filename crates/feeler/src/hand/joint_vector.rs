@@ -1,4 +1,4 @@
-//! One number per joint of a finger.
+//! Vector with one value per joint of a finger.
 
 mod operators;
 
@@ -7,10 +7,10 @@ use std::fmt::{self, Debug, Display, Formatter};
 /// Maximum number of joints of a finger.
 pub const MAX_JOINTS: usize = 7;
 
-/// One number per joint of a finger, such as joint positions (rad or m) or velocities (rad/s or m/s), in the order of the
-/// joints from the base to the fingertip. Does not allocate.
+/// Vector with one value per joint of a finger, such as joint positions (rad or m) or velocities (rad/s or m/s), in the
+/// order of the joints from the base to the fingertip. Does not allocate.
 ///
-/// Missing numbers count as 0: the default, of length 0, equals zeros of any length. The result of an operation on two
+/// Missing values count as 0: the default, of length 0, equals zeros of any length. The result of an operation on two
 /// vectors has the length of the longer one. For three joints, every result is bit-identical to that of
 /// [`DVec3`](glam::DVec3).
 ///
@@ -24,13 +24,13 @@ pub const MAX_JOINTS: usize = 7;
 /// ```
 #[derive(Clone, Copy, Default)]
 pub struct JointVector {
-    /// Numbers of the joints; those from `len` on are 0.
+    /// Values of the joints; those from index `len` on are 0.
     values: [f64; MAX_JOINTS],
     len: u8,
 }
 
 impl JointVector {
-    /// Returns `len` zeros, at most [`MAX_JOINTS`].
+    /// Returns a vector of `len` zeros, at most [`MAX_JOINTS`].
     #[inline]
     pub const fn zeros(len: usize) -> Self {
         let len = if len < MAX_JOINTS { len } else { MAX_JOINTS };
@@ -40,13 +40,13 @@ impl JointVector {
         }
     }
 
-    /// Returns `len` times `value`, at most [`MAX_JOINTS`] times.
+    /// Returns a vector of `len` elements `value`, at most [`MAX_JOINTS`].
     #[inline]
     pub fn splat(len: usize, value: f64) -> Self {
         Self::zeros(len).map(|_| value)
     }
 
-    /// Copies `values`. `None` if there are more than [`MAX_JOINTS`].
+    /// Copies `values` into a vector; `None` if there are more than [`MAX_JOINTS`].
     pub fn from_slice(values: &[f64]) -> Option<Self> {
         let mut vector = Self::zeros(values.len());
         vector
@@ -56,7 +56,7 @@ impl JointVector {
         Some(vector)
     }
 
-    /// Returns the first `len` of `values`.
+    /// Returns a vector of the first `len` of `values`.
     #[inline]
     pub(super) fn first(values: [f64; MAX_JOINTS], len: usize) -> Self {
         let mut vector = Self::zeros(len);
@@ -66,7 +66,7 @@ impl JointVector {
         vector
     }
 
-    /// Appends zeros until there are at least `len` numbers, at most [`MAX_JOINTS`].
+    /// Appends zeros until there are at least `len` values, at most [`MAX_JOINTS`].
     #[inline]
     #[must_use]
     pub fn padded(mut self, len: usize) -> Self {
@@ -82,39 +82,39 @@ impl JointVector {
         if len < MAX_JOINTS { len } else { MAX_JOINTS }
     }
 
-    /// `true` for the length 0.
+    /// `true` if the length is 0.
     #[inline]
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The numbers, one per joint.
+    /// Values as a slice, one per joint.
     #[inline(always)]
     pub fn as_slice(&self) -> &[f64] {
         &self.values[..self.len()]
     }
 
-    /// The numbers, one per joint.
+    /// Values as a mutable slice, one per joint.
     #[inline(always)]
     pub fn as_mut_slice(&mut self) -> &mut [f64] {
         let len = self.len();
         &mut self.values[..len]
     }
 
-    /// Iterates over the numbers, one per joint.
+    /// Iterates over the values, one per joint.
     #[inline(always)]
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
         self.as_slice().iter().copied()
     }
 
-    /// The numbers of a finger with `N` joints; missing ones are 0. `None` if there are more than `N`. For formats and
-    /// devices with a fixed number of joints.
+    /// Values of a finger with `N` joints as an array; missing ones are 0. `None` if there are more than `N`. For
+    /// formats and devices with a fixed number of joints.
     #[inline]
     pub fn to_array<const N: usize>(&self) -> Option<[f64; N]> {
         (self.len() <= N).then(|| std::array::from_fn(|joint| self[joint]))
     }
 
-    /// Applies `f` to the number of each joint.
+    /// Applies `f` to the value of each joint.
     #[inline(always)]
     pub fn map(mut self, mut f: impl FnMut(f64) -> f64) -> Self {
         if self.len == 3 {
@@ -131,7 +131,7 @@ impl JointVector {
         self
     }
 
-    /// Combines the numbers of each joint by `f`, over the length of the longer vector.
+    /// Combines the values of each joint with `f`, over the length of the longer vector.
     #[inline(always)]
     pub fn zip_with(mut self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
         self.len = self.len.max(other.len);
@@ -155,25 +155,25 @@ impl JointVector {
         self.map(f64::abs)
     }
 
-    /// Element-wise minimum; takes the number of `other` if one of the two is NaN.
+    /// Element-wise minimum. If one of two values is NaN, the result is that of `other`.
     #[inline]
     pub fn min(self, other: Self) -> Self {
         self.zip_with(other, lesser)
     }
 
-    /// Element-wise maximum; takes the number of `other` if one of the two is NaN.
+    /// Element-wise maximum. If one of two values is NaN, the result is that of `other`.
     #[inline]
     pub fn max(self, other: Self) -> Self {
         self.zip_with(other, greater)
     }
 
-    /// Limits each number to `lower`..`upper`. NaN becomes `lower`.
+    /// Clamps each value to `lower`..`upper`. NaN becomes `lower`.
     #[inline]
     pub fn clamp(self, lower: Self, upper: Self) -> Self {
         self.max(lower).min(upper)
     }
 
-    /// Smallest number, or 0 for the length 0.
+    /// Smallest value; 0 if the length is 0.
     #[inline]
     pub fn min_element(self) -> f64 {
         self.iter()
@@ -182,7 +182,7 @@ impl JointVector {
             .unwrap_or(0.0)
     }
 
-    /// Largest number, or 0 for the length 0.
+    /// Largest value; 0 if the length is 0.
     #[inline]
     pub fn max_element(self) -> f64 {
         self.iter()
@@ -200,7 +200,7 @@ impl JointVector {
         })
     }
 
-    /// Euclidean norm. (The number of joints is [`len`](Self::len).)
+    /// Euclidean norm. For the number of joints, see [`len`](Self::len).
     #[inline]
     pub fn length(self) -> f64 {
         self.dot(self).sqrt()
@@ -212,33 +212,33 @@ impl JointVector {
         (self - other).length()
     }
 
-    /// `true` if no number is NaN or infinite.
+    /// `true` if all values are finite.
     #[inline]
     pub fn is_finite(&self) -> bool {
         self.iter().all(f64::is_finite)
     }
 
-    /// `true` if a number is NaN.
+    /// `true` if at least one value is NaN.
     #[inline]
     pub fn is_nan(&self) -> bool {
         self.iter().any(f64::is_nan)
     }
 }
 
-/// The smaller number, as in `DVec3::min`.
+/// Smaller of two numbers, as in `DVec3::min`.
 #[inline(always)]
 pub(crate) fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// The larger number, as in `DVec3::max`.
+/// Larger of two numbers, as in `DVec3::max`.
 #[inline(always)]
 pub(crate) fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
 impl<const N: usize> From<[f64; N]> for JointVector {
-    /// Converts one number per joint. Does not compile for more than [`MAX_JOINTS`].
+    /// Creates a vector from one number per joint. Does not compile for more than [`MAX_JOINTS`].
     #[inline]
     fn from(numbers: [f64; N]) -> Self {
         const { assert!(N <= MAX_JOINTS, "a finger has at most MAX_JOINTS joints") };
@@ -248,7 +248,7 @@ impl<const N: usize> From<[f64; N]> for JointVector {
     }
 }
 
-/// Iterates over the numbers, one per joint.
+/// Iterates over the values, one per joint.
 impl IntoIterator for JointVector {
     type Item = f64;
     type IntoIter = std::iter::Take<std::array::IntoIter<f64, MAX_JOINTS>>;
@@ -258,7 +258,7 @@ impl IntoIterator for JointVector {
     }
 }
 
-/// Equality of all numbers; missing ones are 0.
+/// Compares all values; missing ones count as 0.
 impl PartialEq for JointVector {
     #[inline]
     fn eq(&self, other: &Self) -> bool {
@@ -266,7 +266,7 @@ impl PartialEq for JointVector {
     }
 }
 
-/// Formats the numbers as `[a, b, c]`, with the given precision.
+/// Formats the values as `[a, b, c]`, with the given precision.
 impl Display for JointVector {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         f.write_str("[")?;

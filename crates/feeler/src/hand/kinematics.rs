@@ -18,9 +18,9 @@ pub fn fingertip_pose(geometry: &FingerGeometry, theta: JointVector) -> (DVec3, 
     }
 }
 
-/// Jacobian of a finger: its column i is the fingertip velocity in `W` per unit velocity of joint i (m/rad or m/m).
+/// Jacobian of a finger. Column i is the fingertip velocity in `W` per unit velocity of joint i (m/rad or m/m).
 ///
-/// Multiplied by joint velocities (rad/s or m/s), it gives the fingertip velocity (m/s).
+/// The product with joint velocities (rad/s or m/s) is the fingertip velocity (m/s).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jacobian {
     columns: [DVec3; MAX_JOINTS],
@@ -28,7 +28,7 @@ pub struct Jacobian {
 }
 
 impl Jacobian {
-    /// The columns, one per joint.
+    /// Columns of the Jacobian, one per joint.
     pub fn columns(&self) -> &[DVec3] {
         &self.columns[..self.joints]
     }
@@ -63,19 +63,19 @@ pub fn jacobian(geometry: &FingerGeometry, theta: JointVector) -> Jacobian {
     }
 }
 
-/// Joint velocity for a fingertip velocity, with the damping that was applied.
+/// Joint velocities for a fingertip velocity, with the damping that was applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResolvedRate {
     /// Joint velocities (rad/s or m/s), not limited to the finger's joint speeds.
     pub joint_velocity: JointVector,
-    /// lambda (m/rad): 0 if eq. (1) holds exactly, [`damping_threshold`] at a singularity.
+    /// Damping lambda (m/rad): 0 if eq. (1) holds exactly, [`damping_threshold`] at a singularity.
     pub damping: f64,
 }
 
 /// Returns the joint velocity that moves the fingertip at `fingertip_velocity` (in the world `W`, m/s) at the joint
 /// positions `theta` (rad or m), eq. (1).
 ///
-/// Near a singularity it is damped. Chains with redundant joints turn them towards the middle of their ranges while the
+/// Near a singularity it is damped. Redundant joints of a chain move towards the middle of their ranges while the
 /// fingertip moves; see [`Chain::resolved_rate`](super::chain::Chain::resolved_rate).
 ///
 /// Finite arguments give a finite result, even at a singularity; a result beyond the range of `f64` saturates at the
@@ -88,8 +88,9 @@ pub fn resolved_rate(
     resolved_rate_within(geometry, theta, fingertip_velocity, None)
 }
 
-/// Like [`resolved_rate`], but the joints of a chain stay within `bounds`, which returns the lowest and highest velocity of
-/// a joint (rad/s or m/s), and others take over. The result for the paper's finger may exceed them.
+/// Like [`resolved_rate`], but the joints of a chain stay within `bounds`, and other joints compensate. `bounds`
+/// returns the lowest and highest velocity of a joint (rad/s or m/s). The joints of the paper's finger may exceed the
+/// bounds.
 pub(crate) fn resolved_rate_within(
     geometry: &FingerGeometry,
     theta: JointVector,
@@ -135,7 +136,7 @@ pub fn damping_threshold(geometry: &FingerGeometry) -> f64 {
 /// Returns joint positions (rad or m, within the joint limits) that bring the fingertip within
 /// [`POSITION_TOLERANCE`](super::POSITION_TOLERANCE) of `target` (in the world `W`, m), eq. (10).
 ///
-/// The iteration starts at `start` (rad or m), normally the current joint positions. They may be outside of the joint
+/// The iteration starts at `start` (rad or m), normally the current joint positions. They may be outside the joint
 /// limits.
 ///
 /// # Errors
@@ -158,7 +159,7 @@ pub fn inverse_kinematics(
     }
 }
 
-/// Positions of the three joints of the paper's finger, theta1..theta3.
+/// Positions theta1..theta3 of the three joints of the paper's finger.
 #[inline(always)]
 fn three(joints: JointVector) -> DVec3 {
     DVec3::new(joints[0], joints[1], joints[2])

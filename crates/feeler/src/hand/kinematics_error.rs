@@ -4,10 +4,10 @@ use super::chain::ChainKinematicsError;
 use super::joint_vector::JointVector;
 use glam::DVec3;
 
-/// Maximum distance of the fingertip from its target that counts as reached (m).
+/// Maximum distance of the fingertip from its target for the target to count as reached (m).
 pub const POSITION_TOLERANCE: f64 = 1e-9;
 
-/// Error returned if no joint positions are found for a fingertip position.
+/// Error of the inverse kinematics of a finger.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum KinematicsError {
     /// An argument is NaN or infinite.
@@ -18,7 +18,7 @@ pub enum KinematicsError {
         /// Initial joint angles (rad).
         start: JointVector,
     },
-    /// The target is too far or too near for the links, regardless of the joint limits.
+    /// The target is too far away or too near for the links, regardless of the joint limits.
     #[error(
         "fingertip target {target} m is {distance:.6} m from joint 2, \
          expected {minimum:.6}..{maximum:.6} m"
@@ -26,7 +26,7 @@ pub enum KinematicsError {
     OutOfReach {
         /// Target position of the fingertip in `W` (m).
         target: DVec3,
-        /// Distance from joint 2 to the target, with joint 1 turned towards the target (m).
+        /// Distance from joint 2 to the target, if joint 1 is turned towards the target (m).
         distance: f64,
         /// Minimum reachable distance, |l3 - l4| (m).
         minimum: f64,
@@ -57,7 +57,7 @@ pub enum KinematicsError {
         /// Final distance from the target (m).
         residual: f64,
     },
-    /// No joint positions of a chain are found.
+    /// No joint positions of a chain were found.
     #[error(transparent)]
     Chain(#[from] ChainKinematicsError),
 }

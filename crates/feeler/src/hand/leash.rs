@@ -1,28 +1,30 @@
-//! Goal positions that follow a velocity on a leash.
+//! Goal positions of joints for position-controlled drives, with a limited distance from the measured position.
 
-/// A goal position (rad or m) that integrates the velocity of its joint. It stays within a leash of the measured position,
-/// so that a stalled joint never winds up, and moves no faster than the joint's speed limit, so that an error of the
-/// encoder does not become a jump. Moves only by the time between measurements.
+/// Goal position (rad or m) of a joint that integrates its commanded velocity. The distance from the measured position
+/// is limited (leash), so that the goal does not wind up if the joint is stalled. The goal moves no faster than the
+/// joint's speed limit, so that an encoder error does not cause a jump. Its motion is computed from the time between
+/// measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LeashedGoal {
-    /// Goal position.
+    /// Goal position (rad or m).
     pub position: f64,
     /// Maximum distance from the measured position.
     pub leash: f64,
-    /// Limits of the joint's position.
+    /// Lower and upper limit of the joint's position.
     pub limits: (f64, f64),
-    /// Speed limit of the joint.
+    /// Maximum speed of the joint.
     pub speed: f64,
 }
 
 impl LeashedGoal {
-    /// Holds the joint where it stands.
+    /// Sets the goal to the measured position, so that the joint holds it.
     pub fn hold(&mut self, measured: f64) {
         self.position = measured;
     }
 
-    /// Advances by `velocity` for a joint that was measured at `measured`, `elapsed` seconds after the previous measurement.
-    /// Does not pass a limit of the joint, but may start beyond it. Zero velocity holds the goal.
+    /// Advances the goal by `velocity`. `measured` is the measured position, `elapsed` the time since the previous
+    /// measurement (s). The goal does not move beyond a limit of the joint, but may start beyond it. If the velocity is
+    /// zero, the goal does not change.
     pub fn advance(&mut self, velocity: f64, elapsed: f64, measured: f64) {
         if velocity == 0.0 {
             return;

@@ -1,9 +1,9 @@
 //! Finger geometry, kinematics and the interface to the drives.
 //!
-//! A finger has one to seven joints. [`chain`] describes any arrangement. The paper's finger (section III) has three, for
-//! which the equations are in closed form. Joint 1 turns the finger's plane about the z axis of the base `B`.
-//! Joints 2 and 3 move links l3 and l4 in that plane, starting at a distance l2 from the axis of joint 1. Angles are
-//! in rad, lengths in m; positions and velocities of the fingertip are in the world `W`.
+//! A finger has one to seven joints. [`chain`] describes any arrangement of them. The paper's finger (section III) has
+//! three joints, whose equations are in closed form. Joint 1 turns the finger's plane about the z axis of the base `B`.
+//! Joints 2 and 3 move links l3 and l4 in that plane, starting at a distance l2 from the axis of joint 1. Angles are in
+//! rad, lengths in m; positions and velocities of the fingertip are in the world `W`.
 //!
 //! With `c2 = cos(theta2)`, `s23 = sin(theta2 + theta3)` and so on, and a1, a2, a3 the columns of a:
 //!

@@ -12,8 +12,8 @@ const MOST: f64 = 1e5;
 
 /// Quarter turns per radian.
 const QUARTERS: f64 = std::f64::consts::FRAC_2_PI;
-/// Magic number for rounding: adding it rounds a number of up to 2^51 to an integer, whose low bits are then the low
-/// bits of the sum.
+/// Constant for rounding: if it is added to a number of up to 2^51, the sum is rounded to an integer, whose low bits
+/// are the low bits of the sum.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// The first 33 bits of a quarter turn, and the remainder (fdlibm, `e_rem_pio2.c`).
 const QUARTER: [f64; 2] = [1.570_796_326_734_125_6, 6.077_100_506_506_192e-11];
@@ -28,7 +28,8 @@ const SINE: [f64; 6] = [
     -2.505_076_025_340_686_3e-8,
     1.589_690_995_211_55e-10,
 ];
-/// Minimax polynomial C for the same angles: `cos x = 1 - x^2 / 2 + x^4 C(x^2)` (fdlibm, `k_cos.c`).
+/// Minimax polynomial C for angles up to an eighth of a turn in magnitude: `cos x = 1 - x^2 / 2 + x^4 C(x^2)` (fdlibm,
+/// `k_cos.c`).
 const COSINE: [f64; 6] = [
     4.166_666_666_666_66e-2,
     -1.388_888_888_887_411e-3,
@@ -38,7 +39,8 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Returns the sines and cosines of three `angles` (rad), each to within one unit in the last place of 1.
+/// Returns the sines and cosines of three `angles` (rad), with an absolute error of at most one unit in the last place
+/// of 1.
 #[inline(always)]
 pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     if angles.abs().max_element() > MOST {
@@ -56,7 +58,7 @@ pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     )
 }
 
-/// Returns the sine and cosine of one `angle` (rad), bit-identical to `sin_cos`.
+/// Returns the sine and cosine of one `angle` (rad), bit-identical to those of `sin_cos`.
 #[inline(always)]
 pub fn sin_cos_of(angle: f64) -> (f64, f64) {
     if angle.abs() > MOST {

@@ -1,4 +1,4 @@
-//! Clocks that a schedule runs on.
+//! Clocks for schedules.
 
 use std::time::Duration;
 
@@ -11,14 +11,14 @@ pub trait Clock {
     fn sleep_until(&self, time: Duration);
 }
 
-/// The system's monotonic clock. It is never set, and does not advance while the system is suspended.
+/// The system's monotonic clock. It is never adjusted, and does not advance while the system is suspended.
 #[cfg(target_os = "linux")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Monotonic;
 
 #[cfg(target_os = "linux")]
 impl Monotonic {
-    /// Creates the clock.
+    /// Creates a handle to the clock.
     pub fn new() -> Self {
         Self
     }

@@ -1,9 +1,9 @@
 //! Errors of schedules.
 
-/// Error returned when a schedule cannot be created.
+/// Error of creating a schedule.
 #[derive(Debug, thiserror::Error)]
 pub enum PaceError {
-    /// The period is outside of the range that a system timer supports.
+    /// The period is outside the range supported by system timers.
     #[error("expected a control period between 1e-6 and 3600 s, got {period} s")]
     Period {
         /// The rejected period (s).
@@ -15,7 +15,7 @@ pub enum PaceError {
 }
 
 impl PaceError {
-    /// Checks a period (s).
+    /// Checks that a period (s) is in the supported range.
     pub(super) fn check_period(period: f64) -> Result<(), Self> {
         match (1e-6..=3600.0).contains(&period) {
             true => Ok(()),

@@ -7,39 +7,39 @@ use super::timer::{NAP, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Maximum delay of a source, in periods, before a step starts without its data: twice the jitter of cameras and
+/// Maximum delay of a source, in periods, after which a step starts without its data: twice the jitter of cameras and
 /// networks.
 const GRACE: f64 = 0.25;
-/// Minimum time between the starts of two steps, in periods.
+/// Minimum time between the starts of consecutive steps, in periods.
 const SHORTEST: f64 = 0.5;
 
-/// A set of data sources whose data triggers steps.
+/// Set of data sources whose new data triggers steps.
 pub trait StepTrigger {
-    /// Blocks until every source has data that no step has used yet, for at most `longest`. Returns the arrival time
-    /// of the last of that data on the schedule's clock, or `None` after the timeout. A step uses all data that is
+    /// Blocks until every source has data that has not been used by a step, for at most `longest`. Returns the arrival
+    /// time of the latest of that data on the schedule's clock; `None` after the timeout. A step uses all data that is
     /// available when it starts.
     fn wait_for(&mut self, longest: Duration) -> Option<Duration>;
 }
 
-/// Schedule that starts a step as soon as every source has new data, so that the loop need not wait for a clock that
-/// is not synchronised with the sources. If a source is late by more than a quarter of a period, steps run without it
-/// once a period; its data then becomes stale and stops the hand, as under any schedule. Steps are at least half a
-/// period apart.
+/// Schedule that starts a step as soon as every source has new data, so that the loop need not wait for a clock that is
+/// not synchronised with the sources. If a source is late by more than a quarter of a period, steps run without it once
+/// per period; its data then becomes stale and stops the hand, as with any schedule. Steps are at least half a period
+/// apart.
 #[derive(Clone, Debug)]
 pub struct DataDriven<A, C = Monotonic> {
     arrivals: A,
     clock: C,
     period: Duration,
-    /// Number of the latest step, and the time when it started.
+    /// Number of the latest step, and its start time.
     steps: u64,
     newest: Duration,
-    /// Time when the next step starts even if data is missing.
+    /// Latest start time of the next step, even if data is missing.
     latest: Duration,
 }
 
 impl<A: StepTrigger> DataDriven<A> {
-    /// Creates a schedule that starts now and follows `arrivals`, which are expected once each `period` (s), on the
-    /// system's monotonic clock.
+    /// Creates a schedule that starts now and is triggered by `arrivals`, which are expected once per `period` (s), on
+    /// the system's monotonic clock.
     ///
     /// # Errors
     /// If the period is not between 1e-6 and 3600 s.
@@ -66,8 +66,8 @@ impl<A: StepTrigger, C: Clock> DataDriven<A, C> {
         })
     }
 
-    /// Waits for the next step. Returns the arrival time of the last data it uses, `Some(None)` if the step is due
-    /// without complete data, or `None` if interrupted.
+    /// Waits for the next step. Returns the arrival time of the latest data that it uses, `Some(None)` if the step is
+    /// due without complete data, or `None` if interrupted.
     fn wait(&mut self, interrupted: &AtomicBool) -> Option<Option<Duration>> {
         let earliest = self.newest + self.period.mul_f64(SHORTEST);
         while !interrupted.load(Ordering::Relaxed) {

@@ -1,4 +1,4 @@
-//! Schedules for the control period in real time, and statistics of their punctuality.
+//! Real-time schedules of control steps, and statistics of their punctuality.
 //!
 //! The control loop itself never reads a clock. A program that runs it on a real hand waits between its steps:
 //!

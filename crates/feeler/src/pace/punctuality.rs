@@ -5,13 +5,13 @@ use super::timer::Tick;
 use hdrhistogram::Histogram;
 use std::fmt;
 
-/// Maximum lateness that the histogram distinguishes, one hour, in ns. The minimum is 1 ns.
+/// Maximum lateness that the histogram can represent, one hour, in ns. The minimum is 1 ns.
 const LONGEST: u64 = 3_600_000_000_000;
 
-/// Significant digits of the percentiles: 1 % in 40 kB.
+/// Significant digits of the percentiles, for a resolution of 1 % in 40 kB.
 const DIGITS: u8 = 2;
 
-/// Accumulates statistics of ticks. All memory is allocated at creation.
+/// Accumulates statistics of the lateness of ticks. All memory is allocated at creation.
 #[derive(Clone, Debug)]
 pub struct Punctuality {
     /// Histogram of lateness (ns).
@@ -22,18 +22,18 @@ pub struct Punctuality {
     overruns: u64,
 }
 
-/// Statistics of the recorded ticks. Lateness is in s, and `None` before the first tick.
+/// Statistics of the recorded ticks. Lateness is in s; `None` before the first tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PunctualitySummary {
-    /// Number of steps that started, without the missed ones.
+    /// Number of steps that started, excluding missed ones.
     pub steps: u64,
     /// Number of periods that passed without a step.
     pub missed: u64,
     /// Number of steps that started late because the previous step took too long.
     pub overruns: u64,
-    /// Median lateness, to 1 %.
+    /// Median lateness, with a resolution of 1 %.
     pub median: Option<f64>,
-    /// 99th percentile of the lateness, to 1 %.
+    /// 99th percentile of the lateness, with a resolution of 1 %.
     pub percentile_99: Option<f64>,
     /// Maximum lateness.
     pub largest: Option<f64>,

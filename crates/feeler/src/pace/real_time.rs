@@ -1,6 +1,6 @@
 //! Real-time scheduling: thread priority, locked memory and fine-grained timers.
 //!
-//! Each request is independent of the others. If the system refuses one, the loop still runs, but less punctually. On
+//! The requests are independent of each other. If the system refuses one, the loop still runs, but less punctually. On
 //! Linux, threads inherit the effects of [`raise_priority`] and [`fine_timer`], so start other threads first.
 
 #[cfg_attr(target_os = "linux", path = "real_time/linux.rs")]
@@ -11,10 +11,10 @@ mod system;
 /// These deliver images and messages, so they must take precedence over the loop that waits for them.
 pub const MODERATE: u8 = 40;
 
-/// Error returned when the system refuses a request, with advice on how to grant it.
+/// Error returned when the system refuses a request, with instructions for granting it.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
-    /// The user may not use this priority.
+    /// The priority exceeds the user's limit.
     #[error(
         "real-time priority {priority} exceeds this user's limit of {limit}: raise the limit \
          (`ulimit -r`, or rtprio in /etc/security/limits.conf and log in again), or grant the program \
@@ -23,7 +23,7 @@ pub enum Refusal {
     Priority {
         /// The requested priority.
         priority: u8,
-        /// The maximum priority that the user's limit allows; 0 if it allows none.
+        /// Maximum priority allowed by the user's limit; 0 if none is allowed.
         limit: u64,
     },
     /// The priority is out of range.
@@ -32,8 +32,8 @@ pub enum Refusal {
         /// The requested priority.
         priority: u8,
     },
-    /// The user may lock only a limited amount of memory. A program that exceeds the limit would fail to allocate and
-    /// abort, so nothing is locked.
+    /// The amount of memory that the user may lock is limited. A program that exceeds the limit would fail to allocate
+    /// and abort, so nothing is locked.
     #[error(
         "cannot lock memory, this user may lock at most {limit} bytes: raise the limit (`ulimit -l \
          unlimited`, or memlock in /etc/security/limits.conf and log in again), or grant the program \
@@ -43,14 +43,14 @@ pub enum Refusal {
         /// Maximum amount of memory that the user may lock, in bytes.
         limit: u64,
     },
-    /// This operating system lacks the feature, or feeler does not support it there.
+    /// The feature is not available on this operating system, or not supported there by feeler.
     #[error("{what} is supported on Linux only")]
     Unsupported {
         /// The requested feature.
         what: &'static str,
     },
-    /// The system refused for another reason than the user's limits, such as a lack of memory or the restrictions of
-    /// a container or control group.
+    /// The system refused for a reason other than the user's limits, such as a lack of memory or the restrictions of a
+    /// container or control group.
     #[error("{what} refused: {reason} (in a container, check its permissions)")]
     System {
         /// The requested feature.
@@ -62,10 +62,10 @@ pub enum Refusal {
 
 /// Gives the calling thread real-time scheduling (`SCHED_FIFO`) at `priority` from 1 to 99.
 ///
-/// The thread must sleep in every period: while it runs, no ordinary thread can use its processor.
+/// The thread must sleep in every period, because ordinary threads cannot use its processor while it runs.
 ///
 /// # Errors
-/// If the system refuses. The thread then keeps its scheduling.
+/// If the system refuses. The thread's scheduling is then unchanged.
 pub fn raise_priority(priority: u8) -> Result<(), Refusal> {
     if !(1..=99).contains(&priority) {
         return Err(Refusal::PriorityRange { priority });
@@ -73,7 +73,7 @@ pub fn raise_priority(priority: u8) -> Result<(), Refusal> {
     system::raise_priority(priority)
 }
 
-/// Prevents all present and future memory of the process from being paged out.
+/// Locks all current and future memory of the process, so that it is not paged out.
 ///
 /// # Errors
 /// If the system refuses, or would refuse later; see [`Refusal::MemoryLimit`]. No memory is locked then.

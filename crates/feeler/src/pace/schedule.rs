@@ -1,4 +1,4 @@
-//! Schedules of steps, in real time or as fast as possible.
+//! Schedules of control steps, in real time or as fast as possible.
 
 use super::clock::Clock;
 use super::timer::{FixedRate, Tick};
@@ -22,7 +22,7 @@ impl<S: Schedule + ?Sized> Schedule for Box<S> {
     }
 }
 
-/// Schedule without waiting, for simulations.
+/// Schedule that never waits, for simulations.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FreeRunning {
     steps: u64,

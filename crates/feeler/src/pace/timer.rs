@@ -1,25 +1,25 @@
-//! Schedule at a fixed control period.
+//! Schedule with a fixed control period.
 
 use super::clock::{Clock, Monotonic};
 use super::error::PaceError;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Maximum duration of a sleep between two checks of the stop flag.
+/// Maximum duration of a sleep between two checks of the flag that interrupts the wait.
 pub(super) const NAP: Duration = Duration::from_millis(50);
 
-/// A step that is due.
+/// A step that is due, with its timing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
     /// Number of periods since the start: 1 for the first tick if no period is missed. The step belongs to the latest
     /// deadline that has passed.
     pub number: u64,
-    /// Time between the awaited deadline and the end of the wait (s). It exceeds a period if periods were missed.
+    /// Time between the deadline and the end of the wait (s). It exceeds a period if periods were missed.
     pub lateness: f64,
-    /// Number of whole periods since the last tick that passed without a step. Missed steps are not made up for.
+    /// Number of whole periods without a step since the last tick. Missed steps are not repeated.
     pub missed: u64,
-    /// `true` if the deadline had passed when the wait began, that is, if the previous step took too long. Otherwise
-    /// any lateness is due to the system.
+    /// `true` if the deadline had already passed when the wait began, because the previous step took too long.
+    /// Otherwise any lateness is caused by the system.
     pub overran: bool,
 }
 
@@ -35,15 +35,14 @@ impl Tick {
     }
 }
 
-/// Timer with absolute deadlines: they are the multiples of the period since the start, independent of the lateness
-/// of steps.
+/// Timer with absolute deadlines at the multiples of the period since the start, independent of the lateness of steps.
 #[derive(Clone, Debug)]
 pub struct FixedRate<C = Monotonic> {
     clock: C,
-    /// Period (s).
+    /// Control period (s).
     period: f64,
     start: Duration,
-    /// Multiple of the period that is due next.
+    /// Multiple of the period at which the next step is due.
     next: u64,
 }
 
@@ -79,7 +78,7 @@ impl<C: Clock> FixedRate<C> {
         self.period
     }
 
-    /// Next deadline, in s since the start.
+    /// Time of the next deadline since the start (s).
     pub fn deadline(&self) -> f64 {
         self.since_start(self.next).as_secs_f64()
     }
@@ -90,7 +89,7 @@ impl<C: Clock> FixedRate<C> {
         self.next = 1;
     }
 
-    /// Sleeps until the next step is due; returns at once if it already is.
+    /// Sleeps until the next step is due; returns immediately if it already is.
     pub fn wait(&mut self) -> Tick {
         let deadline = self.due();
         let asked = self.clock.now();
@@ -102,7 +101,7 @@ impl<C: Clock> FixedRate<C> {
         self.tick(asked, now)
     }
 
-    /// Sleeps until the next step is due. Returns `None` if `stop` is set, within 50 ms.
+    /// Sleeps until the next step is due. Returns `None` within 50 ms after `stop` is set.
     pub fn wait_interruptible(&mut self, stop: &AtomicBool) -> Option<Tick> {
         let deadline = self.due();
         let asked = self.clock.now();
@@ -118,18 +117,18 @@ impl<C: Clock> FixedRate<C> {
         None
     }
 
-    /// The next deadline on the clock.
+    /// Time of the next deadline on the clock.
     fn due(&self) -> Duration {
         self.start + self.since_start(self.next)
     }
 
-    /// Deadline of a multiple of the period, relative to the start. It is a single product, so that rounding to
+    /// Deadline of a multiple of the period, relative to the start. Computed as a single product, so that rounding to
     /// nanoseconds does not accumulate.
     fn since_start(&self, multiple: u64) -> Duration {
         Duration::from_secs_f64(multiple as f64 * self.period)
     }
 
-    /// Returns the tick of a wait that began at `asked` and ended at `now`, after the deadline.
+    /// Tick of a wait that began at `asked` and ended at `now`, after the deadline.
     fn tick(&mut self, asked: Duration, now: Duration) -> Tick {
         let deadline = self.due();
         let number = self.latest(now);
@@ -143,7 +142,7 @@ impl<C: Clock> FixedRate<C> {
         }
     }
 
-    /// Latest multiple of the period whose deadline is not after `now`, but at least the next multiple.
+    /// Latest multiple of the period whose deadline has passed at `now`, but at least the next multiple.
     fn latest(&self, now: Duration) -> u64 {
         let elapsed = now.saturating_sub(self.start);
         // Because of rounding, the quotient may be off by one at a deadline.

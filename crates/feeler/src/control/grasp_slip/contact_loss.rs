@@ -1,11 +1,11 @@
-//! Detection of a lost grasp from the load on the elements.
+//! Detects from the load on the elements that a grasped object is lost.
 
 use super::lens_fit::LensFit;
 use super::{GraspSlipError, Picture, RegularPattern, part, passed};
 use crate::check::Checker;
 use glam::DVec2;
 
-/// Load, in thresholds, above which contact counts as a grasp.
+/// Load above which contact counts as a grasp, in units of the threshold.
 const HELD: f64 = 1.5;
 /// Lower bound of the load, in units of the scale, that keeps the score finite; below the resolution of any sensor.
 const LEAST: f64 = 1e-9;
@@ -13,10 +13,10 @@ const LEAST: f64 = 1e-9;
 /// Parameters of [`ContactLoss`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactLossConfig {
-    /// Time constant of the filter (s). It is also about the delay of detection.
+    /// Time constant of the filter (s). It is also the approximate delay of detection.
     pub time_constant: f64,
-    /// Load below which no object is held, in units of the scale: the spacing of a pattern, or the full scale of
-    /// shear.
+    /// Load below which no object is held, in units of the scale (the spacing of a pattern, or the full scale of
+    /// shear).
     pub threshold: f64,
 }
 
@@ -44,22 +44,22 @@ impl ContactLossConfig {
 /// State of the contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contact {
-    /// Unknown: there is no reference for the untouched elements, or too few of them have been measured so far.
+    /// Unknown, because there is no reference for the untouched elements or too few of them have been measured so far.
     Unknown,
-    /// The load has not exceeded 1.5 thresholds yet.
+    /// No grasp yet: the load has not exceeded 1.5 thresholds.
     Untouched,
-    /// The load has exceeded 1.5 thresholds and has not fallen below one since.
+    /// Grasp: the load has exceeded 1.5 thresholds and has not fallen below the threshold since.
     Held,
-    /// The load has fallen below the threshold after a grasp, also if the object was released on purpose.
+    /// The load has fallen below the threshold after a grasp, whether by accident or on purpose.
     Lost,
 }
 
-/// Reference that the elements are compared with.
+/// Reference with which the elements are compared.
 #[derive(Debug, Clone)]
 enum Reference {
     /// No reference.
     Unknown,
-    /// The vectors are 0 without contact. The argument is the number of elements.
+    /// The vectors are 0 without contact. Contains the number of elements.
     Untouched(usize),
     /// Without contact, the positions of the elements are a regular pattern seen through a lens.
     Pattern(Box<LensFit>),
@@ -80,15 +80,15 @@ enum Reference {
 ///   elements alike is not detected.
 /// - [`without_reference`](Self::without_reference): the contact is always [`Contact::Unknown`].
 ///
-/// Elements without a vector are left out of a frame's load. A frame in which more than half of the elements have
-/// none leaves L unchanged.
+/// Elements without a vector are left out of a frame's load. A frame leaves L unchanged if more than half of the
+/// elements lack a vector.
 #[derive(Debug, Clone)]
 pub struct ContactLoss {
     config: ContactLossConfig,
     scale: f64,
     reference: Reference,
     load: Option<f64>,
-    /// Time since the last usable frame (s).
+    /// Time since the last frame that updated the load (s).
     waited: f64,
     contact: Contact,
 }
@@ -108,12 +108,11 @@ impl ContactLoss {
         Ok(Self::new(config, scale, Reference::Untouched(elements)))
     }
 
-    /// Creates a detector for markers in a `picture` that were at `places` (px) in one frame, with or without
-    /// contact; NaN for markers that were not found. The scale is the markers' spacing. Finds their
-    /// [`RegularPattern`].
+    /// Creates a detector for markers in a `picture`, given their positions `places` (px) in one frame, with or without
+    /// contact; NaN for markers that were not found. The scale is the markers' spacing. Finds their [`RegularPattern`].
     ///
     /// # Errors
-    /// If the places are not a regular pattern, or a value is out of range.
+    /// If the positions do not form a regular pattern, or a value is out of range.
     pub fn on_pattern(
         places: &[DVec2],
         picture: Option<Picture>,
@@ -126,7 +125,7 @@ impl ContactLoss {
         Ok(Self::new(config, scale, Reference::Pattern(Box::new(fit))))
     }
 
-    /// Creates a detector for elements whose values without contact are unknown. It never reports contact or its loss.
+    /// Creates a detector for elements without a known state without contact. It always reports [`Contact::Unknown`].
     pub fn without_reference() -> Self {
         Self::new(ContactLossConfig::default(), 1.0, Reference::Unknown)
     }
@@ -142,14 +141,14 @@ impl ContactLoss {
         }
     }
 
-    /// Restarts the detector for another grasp with the same sensor.
+    /// Restarts the detector for another grasp with the same sensor and reference.
     pub fn restart(&mut self) {
         (self.load, self.waited, self.contact) = (None, 0.0, Contact::Unknown);
     }
 
     /// Updates the contact with the next frame, `interval` (s) after the previous one. `vectors` has one vector per
-    /// element, NaN for an element without one; excess vectors are ignored. After the first frame, an interval of 0
-    /// or less changes nothing. Must be called once per frame; neither allocates nor panics.
+    /// element, NaN if it was not measured; excess vectors are ignored. After the first frame, an interval of 0 or less
+    /// changes nothing. Must be called once per frame; neither allocates nor panics.
     pub fn update(&mut self, interval: f64, vectors: impl IntoIterator<Item = DVec2>) -> Contact {
         let interval = passed(interval) + self.waited;
         self.waited = interval;
@@ -181,20 +180,20 @@ impl ContactLoss {
         self.contact
     }
 
-    /// L, the filtered load in units of the scale, or `None` while it is unknown.
+    /// Filtered load L in units of the scale; `None` while it is unknown.
     pub fn load(&self) -> Option<f64> {
         self.load
     }
 
-    /// Negative logarithm of the load, -ln L, or `None` while it is unknown. The higher the score, the more likely the
-    /// object is lost.
+    /// Score -ln L, the negative logarithm of the load; `None` while it is unknown. The higher the score, the more
+    /// likely the object is lost.
     pub fn score(&self) -> Option<f64> {
         self.load.map(|load| -libm::log(load.max(LEAST)))
     }
 }
 
-/// Root mean square of the valid vectors in units of the scale, or `None` if more than half of the elements have
-/// none.
+/// Root mean square of the valid vectors in units of `scale`; `None` if more than half of the `elements` lack a valid
+/// vector.
 fn rms(vectors: impl Iterator<Item = DVec2>, (elements, scale): (usize, f64)) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0_usize);
     for vector in vectors.filter_map(|vector| super::scaled(vector, scale)) {

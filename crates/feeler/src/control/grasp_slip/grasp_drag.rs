@@ -1,11 +1,10 @@
-//! Drag: deviation of the load of a grasp from its own slow mean.
+//! Drag: deviation of the load on the elements from its slow mean, a measure of an object's motion within the grip.
 
 use super::{GraspSlipError, LARGEST, part, passed};
 use crate::check::Checker;
 use glam::DVec3;
 
-/// Median of |x| for a normal distribution of standard deviation 1, times the square root of 2 for the difference of
-/// two samples.
+/// Median magnitude of the difference of two samples of a normal distribution with standard deviation 1.
 const MEDIAN_OF_CHANGES: f64 = 0.953_87;
 
 /// Time constants of [`GraspDrag`].
@@ -13,13 +12,13 @@ const MEDIAN_OF_CHANGES: f64 = 0.953_87;
 pub struct GraspDragConfig {
     /// Time constant of the noise filter (s).
     pub fast: f64,
-    /// Time constant of the slow mean that loads are compared with (s). Slower creep does not count as slip.
+    /// Time constant of the slow mean with which loads are compared (s). Slower creep does not count as slip.
     pub slow: f64,
 }
 
 impl Default for GraspDragConfig {
-    /// 0.05 s and 1 s. On recordings of two sensors, 0.3 to 3 s perform equally well, within 0.05 of area under the
-    /// curve.
+    /// 0.05 s and 1 s. On recordings of two sensors, slow time constants of 0.3 to 3 s perform equally well, within
+    /// 0.05 of area under the curve.
     fn default() -> Self {
         Self {
             fast: 0.05,
@@ -41,11 +40,11 @@ impl GraspDragConfig {
 /// Filter state of one element.
 #[derive(Debug, Clone, Copy)]
 struct Filtered {
-    /// Filtered vector in units of the scale, or NaN before the first vector.
+    /// Filtered vector in units of the scale; NaN before the first vector.
     fast: DVec3,
     /// Slow mean of `fast`.
     slow: DVec3,
-    /// Time since the element's latest vector, if it is missing in the latest frames (s).
+    /// Duration for which the element has been missing, if it was missing in the latest frames (s).
     missing: f64,
 }
 
@@ -64,12 +63,11 @@ const NOTHING: Filtered = Filtered {
 /// f_i += a_fast (u_i - f_i)        m_i += a_slow (f_i - m_i)        D = sqrt(mean over i of |f_i - m_i|^2)
 /// ```
 ///
-/// The normal component is included, because an object that is dragged tilts in the grip and shifts its load between
-/// elements.
+/// The normal component is included, because a dragged object tilts in the grip and shifts its load between elements.
 ///
 /// D is dimensionless. With the sensor's noise as scale ([`noise_of`]) it is in standard deviations; which value of D
-/// indicates a slip depends on the sensor. Applying, releasing or shaking a load also raises D: it distinguishes a
-/// grasp at rest from one that is not, and the caller must evaluate it at a suitable time in the task.
+/// indicates a slip depends on the sensor. Applying, releasing or shaking a load also raises D, so the caller must
+/// evaluate it at a suitable time in the task.
 #[derive(Debug, Clone)]
 pub struct GraspDrag {
     config: GraspDragConfig,
@@ -103,10 +101,10 @@ impl GraspDrag {
         self.drag = None;
     }
 
-    /// Updates D with the next frame, `interval` (s) after the previous one. `vectors` has one vector per element,
-    /// NaN for an element without one; excess vectors are ignored. An interval of 0 or less only initialises elements
-    /// that had no vector yet. Returns D, or `None` if no element has a vector. Must be called once per frame;
-    /// neither allocates nor panics.
+    /// Updates D with the next frame, `interval` (s) after the previous one. `vectors` has one vector per element, NaN
+    /// if it was not measured; excess vectors are ignored. An interval of 0 or less only initialises elements that had
+    /// no vector yet. Returns D, or `None` if no element has a vector. Must be called once per frame; neither allocates
+    /// nor panics.
     pub fn update(
         &mut self,
         interval: f64,
@@ -147,16 +145,16 @@ impl GraspDrag {
         self.drag
     }
 
-    /// D at the latest frame, or `None` if no element had a vector.
+    /// Drag D at the latest frame; `None` if no element had a vector.
     pub fn drag(&self) -> Option<f64> {
         self.drag
     }
 }
 
-/// Estimates the standard deviation of the noise in each component of a sensor's vectors, in their unit. `changes`
-/// are the differences of components between consecutive frames; they are sorted in place. The estimate is their
-/// median magnitude divided by 0.954, which is robust against slips, jolts and gaps. Returns `None` if there are no
-/// changes or most are 0.
+/// Estimates the standard deviation of the noise in each component of a sensor's vectors, in their unit. `changes` are
+/// the differences of components between consecutive frames; they are sorted in place. The estimate is their median
+/// magnitude divided by 0.954, which is insensitive to slips, jolts and gaps. Returns `None` if there are no changes or
+/// most are 0.
 pub fn noise_of(changes: &mut [f64]) -> Option<f64> {
     changes.iter_mut().for_each(|change| *change = change.abs());
     changes.sort_unstable_by(f64::total_cmp);

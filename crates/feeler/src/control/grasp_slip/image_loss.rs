@@ -1,11 +1,11 @@
-//! Detection of a lost grasp from the image of the gel.
+//! Detects from images of a gel that a grasped object is lost.
 
 use super::{part, passed};
 use crate::sensor::image::Picture;
 
-/// Columns and rows of blocks of a [`CoarseImage`].
+/// Number of block columns and rows of a [`CoarseImage`].
 const BLOCKS: (usize, usize) = (40, 30);
-/// Number of blocks that are summed before a search stops early.
+/// Number of blocks summed between checks of whether the distance exceeds its limit.
 const CHUNK: usize = 120;
 /// Lower bound of the distance in grey levels, below the noise of any camera.
 const LEAST: f64 = 1e-2;
@@ -23,14 +23,14 @@ impl Default for CoarseImage {
 }
 
 impl CoarseImage {
-    /// Reduces a picture.
+    /// Computes the block means of a picture.
     pub fn of<P: AsRef<[u8]>>(picture: &Picture<P>) -> Self {
         let mut coarse = Self::default();
         coarse.take(picture);
         coarse
     }
 
-    /// Replaces the content by a picture. Does not allocate. Blocks without pixels are 0.
+    /// Replaces the content with the block means of a picture. Does not allocate. Blocks without pixels are 0.
     pub fn take<P: AsRef<[u8]>>(&mut self, picture: &Picture<P>) {
         let (columns, rows) = BLOCKS;
         let (width, height) = (picture.width, picture.height);
@@ -50,13 +50,13 @@ impl CoarseImage {
         self.0.iter_mut().for_each(|block| *block -= mean);
     }
 
-    /// Root mean square difference of the blocks in grey levels.
+    /// Root mean square difference between the blocks of two images, gray levels.
     pub fn distance(&self, other: &Self) -> f64 {
         self.distance_below(other, f64::INFINITY)
             .unwrap_or(f64::INFINITY)
     }
 
-    /// Like [`distance`](Self::distance), or `None` if it is not below `limit`. Faster for a low limit.
+    /// Like [`distance`](Self::distance), but `None` if it is not below `limit`. Faster for a low limit.
     pub fn distance_below(&self, other: &Self, limit: f64) -> Option<f64> {
         let count = self.0.len() as f64;
         let most = limit * limit * count;
@@ -81,20 +81,20 @@ impl CoarseImage {
 /// s += a (-ln d - s)        p = 1 / (1 + exp(-(w0 + w1 s)))
 /// ```
 ///
-/// The imprint of an object shades the gel and displaces its markers; both change d, also for threads and cloth that
-/// displace no marker. A released object counts as lost. The probability p is that of a slip in a grasp that should
-/// hold; its weights are those that `feeler score-slip` prints for 120 recorded grasps (`docs/slip.md`).
+/// The imprint of an object shades the gel and displaces its markers. Both change d, even for threads and cloth that
+/// displace no marker. A released object counts as lost. p is the probability of a slip in a grasp that should hold;
+/// its weights were computed by `feeler score-slip` from 120 recorded grasps (`docs/slip.md`).
 #[derive(Debug, Clone, Default)]
 pub struct ImageLoss {
     score: Option<f64>,
 }
 
 impl ImageLoss {
-    /// w0 and w1 of the probability.
+    /// Coefficients w0 and w1 of the probability.
     pub const WEIGHTS: [f64; 2] = [3.350, 4.631];
 
     /// Updates the score with the image's `distance` (grey levels) from the untouched gel, `interval` (s) after the
-    /// previous image. NaN changes nothing. Neither allocates nor panics.
+    /// previous image. A NaN distance changes nothing. Neither allocates nor panics.
     pub fn update(&mut self, interval: f64, distance: f64) -> Option<f64> {
         if !distance.is_nan() {
             let newest = -libm::log(distance.clamp(LEAST, f64::MAX));
@@ -105,7 +105,7 @@ impl ImageLoss {
         self.score
     }
 
-    /// s, the filtered negative logarithm of the distance, or `None` before the first image.
+    /// Score s, the filtered negative logarithm of the distance; `None` before the first image.
     pub fn score(&self) -> Option<f64> {
         self.score
     }

@@ -1,41 +1,42 @@
-//! Residual of marker positions after fitting an untouched pattern seen through an unknown lens.
+//! Residual of marker positions after fitting a regular pattern seen through an unknown lens.
 
 use super::{GraspSlipError, Picture, RegularPattern, scaled};
 use glam::DVec2;
 use nalgebra::DMatrix;
 
-/// Number of parameters of the fit: plane (6), radial distortion (1), perspective (2), and decentring (2).
+/// Number of parameters of the fit: plane (6), radial distortion (1), perspective (2), and decentring distortion (2).
 const WAYS: usize = 11;
-/// Minimum diagonal entry of a triangular factor, relative to the largest, for independent columns.
+/// Minimum diagonal element of the triangular factor, relative to the largest, for columns to count as independent.
 const RANK: f64 = 1e-8;
-/// Minimum pivot if elements are missing, so that the remaining ones still determine all parameters.
+/// Minimum pivot of the factorisation if elements are missing; below it, the remaining ones do not determine all
+/// parameters.
 const PIVOT: f64 = 1e-3;
 
 type Ways = [f64; WAYS];
 
-/// An element of the pattern.
+/// Marker of the pattern.
 #[derive(Debug, Clone)]
 struct Element {
-    /// Position in the fitted untouched pattern, in units of the scale.
+    /// Position in the fitted pattern without contact, in units of the scale.
     ideal: DVec2,
-    /// Rows of the orthonormal basis for x and y.
+    /// Rows of the orthonormal basis for the marker's x and y.
     basis: [Ways; 2],
 }
 
-/// Orthonormal basis of all positions that an untouched pattern can have in the image: six parameters for its plane,
-/// one for the lens's radial distortion, two for perspective, and two for decentring (Brown, "Decentering distortion
-/// of lenses", Photogrammetric Engineering 32 (1966)).
+/// Orthonormal basis of all marker positions that a pattern without contact can have in the image: six parameters for
+/// its plane, one for the lens's radial distortion, two for perspective, and two for decentring (Brown, "Decentering
+/// distortion of lenses", Photogrammetric Engineering 32 (1966)).
 #[derive(Debug, Clone)]
 pub struct LensFit {
-    /// `None` for an element that is not in the pattern.
+    /// Elements of the pattern; `None` for those that do not belong to it.
     elements: Vec<Option<Element>>,
     /// Number of elements in the pattern.
     count: usize,
 }
 
 impl LensFit {
-    /// Fits the `pattern` of `places` (px) in `picture`. If `picture` is `None`, the pattern is assumed to fill the
-    /// image.
+    /// Fits the `pattern` of the positions `places` (px) in `picture`. If `picture` is `None`, the pattern is assumed
+    /// to fill the image.
     ///
     /// # Errors
     /// If the pattern is too small to determine all parameters.
@@ -124,7 +125,7 @@ impl LensFit {
     }
 }
 
-/// Positions of the members in the best affine fit of their indices, or `None` if the fit fails.
+/// Positions of the markers in the best affine fit to their grid indices; `None` if the fit fails.
 fn on_plane(members: &[((i32, i32), DVec2)]) -> Option<Vec<DVec2>> {
     let design = DMatrix::from_fn(members.len(), 3, |row, column| {
         let (column_index, row_index) = members[row].0;
@@ -138,7 +139,7 @@ fn on_plane(members: &[((i32, i32), DVec2)]) -> Option<Vec<DVec2>> {
     Some(places.collect())
 }
 
-/// The image that these places would fill.
+/// Geometry of an image that these positions would fill.
 fn around(places: &[DVec2]) -> Picture {
     let none = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     let (low, high) = (places.iter()).fold(none, |(low, high), &p| (low.min(p), high.max(p)));
@@ -148,7 +149,8 @@ fn around(places: &[DVec2]) -> Picture {
     }
 }
 
-/// Derivatives of a position's x and y by each parameter, in half widths from the image centre.
+/// Derivatives of a position's x and y with respect to each parameter. The position is in half widths from the image
+/// centre.
 fn ways(DVec2 { x: a, y: b }: DVec2) -> [Ways; 2] {
     let square = a * a + b * b;
     let (over, under) = (square + 2.0 * a * a, square + 2.0 * b * b);
@@ -191,9 +193,9 @@ fn add_square(sum: &mut [Ways; WAYS], row: &Ways) {
     }
 }
 
-/// Sum of squares that a fit to the remaining elements explains: c' (1 - G)^-1 c by Cholesky factorisation, with G
-/// from the `missing` rows and c the projections `along` the basis. `None` if the remaining elements do not determine
-/// all parameters.
+/// Part of the sum of squares explained by a fit to the remaining elements: c' (1 - G)^-1 c by Cholesky factorisation,
+/// with G from the `missing` rows and c the projections `along` the basis. `None` if the remaining elements do not
+/// determine all parameters.
 fn explained(missing: [Ways; WAYS], along: Ways) -> Option<f64> {
     let mut lower = [[0.0; WAYS]; WAYS];
     let (mut solved, mut explained) = ([0.0; WAYS], 0.0);

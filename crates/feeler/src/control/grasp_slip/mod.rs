@@ -12,10 +12,10 @@
 //!
 //! - [`ImageLoss`]: *Is the object still held?* Uses the image of the gel relative to the one of the untouched gel.
 //!
-//! Each detector is blind to the other event: a lost object no longer drags the elements, and a dragged object still
-//! loads them. Both take one vector per element from any sensor: displacements of markers or feelers, or forces of
-//! taxels. [`GraspDrag`] also uses normal loads, if available. A NaN vector marks an element without a measurement in
-//! that frame. Updates neither allocate nor panic, and the same frames give the same results.
+//! Each detector misses the other event: a lost object no longer drags the elements, and a dragged object still loads
+//! them. Both take one vector per element from any sensor: displacements of markers or feelers, or forces of taxels.
+//! [`GraspDrag`] also uses normal loads, if available. A NaN vector marks an element without a measurement in that
+//! frame. Updates neither allocate nor panic, and the same frames give the same results.
 //!
 //! Neither detector predicts slip. A loss is detected once the elements are unloaded, whether on purpose or by
 //! accident; drag is detected once loads have changed. `docs/slip.md` lists their scores on recordings.
@@ -51,8 +51,8 @@ pub use regular_pattern::{FEWEST_ELEMENTS, Picture, RegularPattern};
 
 use glam::DVec2;
 
-/// Largest plausible vector, in units of the scale. Larger ones are rejected, because their squares would dominate
-/// the sums.
+/// Maximum valid magnitude of a vector, in units of the scale. Larger vectors are rejected, because their squares would
+/// dominate the sums.
 const LARGEST: f64 = 1e6;
 
 /// The vector in units of `scale`, or `None` if it is NaN or implausibly large.
@@ -69,7 +69,7 @@ pub(in crate::control) fn part(interval: f64, time_constant: f64) -> f64 {
     }
 }
 
-/// The interval, or 0 if it is negative or NaN, as with repeated or decreasing stamps.
+/// Returns the interval, or 0 if it is negative or NaN, as for repeated or decreasing stamps.
 fn passed(interval: f64) -> f64 {
     interval.max(0.0)
 }

@@ -1,33 +1,32 @@
-//! Detection of the regular grid in which markers are printed.
+//! Detects the regular grid of markers in an image.
 
 use super::GraspSlipError;
 use glam::DVec2;
 use std::collections::{HashMap, HashSet, VecDeque};
 
-/// Minimum number of elements of a pattern: their two coordinates each leave enough degrees of freedom after the lens
-/// fit.
+/// Minimum number of markers in a pattern, so that enough degrees of freedom remain after the lens fit.
 pub const FEWEST_ELEMENTS: usize = 12;
-/// Maximum distance between neighbours, in spacings. Steps along rows and columns may differ by a third.
+/// Maximum distance between neighbours, in units of the spacing. Steps along rows and columns may differ by a third.
 const NEAR: f64 = 1.35;
-/// Maximum distance between two difference vectors that count as the same step, in spacings.
+/// Maximum distance between two difference vectors that count as the same step, in units of the spacing.
 const ALIKE: f64 = 0.25;
-/// Maximum distance of a neighbour from its predicted position, in spacings. A touch displaces neighbours almost
-/// equally.
+/// Maximum distance of a neighbour from its predicted position, in units of the spacing. Contact displaces neighbours
+/// almost equally.
 const TOLERANCE: f64 = 0.4;
-/// Minimum share of elements that must be reached, and of pairs of neighbours that must be one step apart.
+/// Minimum fraction of elements that can be reached by steps, and of pairs of grid neighbours that are one step apart.
 const MOST: f64 = 0.9;
 
 /// Geometry of the image that contains a pattern.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Picture {
-    /// Intersection with the lens's axis (px), near the image centre.
+    /// Position of the lens axis in the image (px), near the image centre.
     pub centre: DVec2,
     /// Half the image width (px).
     pub half_width: f64,
 }
 
 impl Picture {
-    /// Geometry of an image of `columns` x `rows` pixels, with the lens's axis through its centre.
+    /// Geometry of an image of `columns` x `rows` pixels, with the lens axis through its centre.
     pub fn of_size(columns: usize, rows: usize) -> Self {
         let size = DVec2::new(columns as f64, rows as f64);
         Self {
@@ -37,8 +36,8 @@ impl Picture {
     }
 }
 
-/// Grid indices of positions in an image. The two step directions are arbitrary, so that square, rectangular, offset
-/// and hexagonal grids are all covered.
+/// Grid indices of markers in an image. The two step directions are arbitrary, which covers square, rectangular, offset
+/// and hexagonal grids.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegularPattern {
     indices: Vec<Option<(i32, i32)>>,
@@ -46,12 +45,12 @@ pub struct RegularPattern {
 }
 
 impl RegularPattern {
-    /// Finds the grid of `places` (px). The search starts at the centre and proceeds from neighbour to neighbour, in
-    /// steps that may vary slowly across the image because of the lens and of touch. NaN places and places that no
-    /// step reaches get no index.
+    /// Finds the grid formed by the positions `places` (px). The search starts at the centre and proceeds from
+    /// neighbour to neighbour, in steps that may vary slowly across the image because of the lens and of contact. NaN
+    /// positions and positions that no step reaches get no index.
     ///
     /// # Errors
-    /// If there are fewer than [`FEWEST_ELEMENTS`] places, if less than nine of ten can be reached, or if less than
+    /// If there are fewer than [`FEWEST_ELEMENTS`] positions, if less than nine of ten can be reached, or if less than
     /// nine of ten pairs of neighbours are one step apart.
     pub fn of(places: &[DVec2]) -> Result<Self, GraspSlipError> {
         let known: Vec<_> = (0..places.len())
@@ -90,8 +89,8 @@ impl RegularPattern {
         Ok(Self { indices, spacing })
     }
 
-    /// Grid index of each element, in steps along both directions from an element near the centre; `None` for
-    /// elements outside of the grid.
+    /// Grid index of each element, in steps along both directions from an element near the centre; `None` for elements
+    /// outside the grid.
     pub fn indices(&self) -> &[Option<(i32, i32)>] {
         &self.indices
     }
@@ -132,7 +131,7 @@ fn steps(places: &[DVec2], known: &[usize], spacing: f64) -> Option<[DVec2; 2]> 
     Some([first, second])
 }
 
-/// Mean of the largest group of similar differences, regardless of their sign.
+/// Mean of the largest group of similar differences, ignoring their sign.
 fn commonest(differences: &[DVec2], spacing: f64) -> Option<DVec2> {
     /// Maximum number of candidates, evenly spaced.
     const TRIED: usize = 200;
@@ -151,7 +150,7 @@ fn commonest(differences: &[DVec2], spacing: f64) -> Option<DVec2> {
     Some(alike(*best).sum::<DVec2>() / count as f64)
 }
 
-/// Assigns indices by a breadth-first search from the centre.
+/// Assigns grid indices by a breadth-first search from the centre.
 fn walk(
     places: &[DVec2],
     known: &[usize],
@@ -194,7 +193,7 @@ fn nearest(places: &[DVec2], known: &[usize], to: DVec2) -> Option<usize> {
     known.min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
-/// Number of pairs of grid neighbours that are one step apart, and the number of all pairs.
+/// Number of pairs of grid neighbours that are one step apart, and number of all pairs of grid neighbours.
 fn agreement(
     places: &[DVec2],
     indices: &[Option<(i32, i32)>],

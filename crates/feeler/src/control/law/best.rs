@@ -1,9 +1,9 @@
-//! Control law that raises the grip before slip. Not in the paper.
+//! Control law that increases the grip before slip. Not in the paper.
 //!
-//! Tri-axial forces show how much of the available friction is used, `|f_t| / f_n`, long before an element slips.
-//! This law learns the friction coefficient from touch and keeps the grasp force in proportion to the shear, so that
-//! it rises before a slip instead of after it. It presses or yields such that no element exceeds its maximum force.
-//! It needs neither SLIP nor OVER.
+//! Tri-axial forces show the used fraction of the available friction, `|f_t| / (mu f_n)`, long before an element slips.
+//! This law estimates the friction coefficient `mu` during contact and keeps the grasp force in proportion to the
+//! shear, so that it rises before a slip instead of after it. It presses or yields such that no element exceeds its
+//! maximum force. It uses neither SLIP nor OVER.
 
 use super::{FRICTION, Law};
 use crate::check::Checker;
@@ -21,17 +21,17 @@ pub struct BestConfig {
     pub friction: f64,
     /// Weight of one element's observation in one frame when the friction estimate is updated.
     pub learning_rate: f64,
-    /// Grasp force relative to the force that the learnt friction requires for the measured shear.
+    /// Ratio of the grasp force to the force required for the measured shear at the estimated friction.
     pub margin: f64,
-    /// Minimum grasp force while a grasp is kept (N).
+    /// Minimum grasp force during a grasp (N).
     pub least_grasp_force: f64,
     /// Maximum force on an element (N). Limited to F2 (`control.over_force`) when the law is created, so that one
     /// value works for hands with differently rated elements.
     pub element_force: f64,
-    /// Maximum compression that is requested of a slipping element, as a fraction of its total force before the slip. An
-    /// inclined element also supports the surface with its shear.
+    /// Maximum compression requested of a slipping element, as a fraction of its total force before the slip. On an
+    /// inclined element, shear also supports the surface.
     pub slip_share: f64,
-    /// Pressing speed per missing force of an element, m/(N·s).
+    /// Pressing speed per missing force of an element (m/(N·s)).
     pub gain: f64,
     /// Maximum speed of pressing or yielding (m/s).
     pub pressing_speed: f64,
@@ -57,8 +57,8 @@ impl Default for BestConfig {
 }
 
 impl BestConfig {
-    /// Requires every value of the table `key` to be in its range. `thresholds` defines when an element touches. An
-    /// element force above F2 is valid; see [`Self::limited_to`].
+    /// Checks that every value of the table `key` is in its range. `thresholds` defines when an element is in contact.
+    /// An element force above F2 is valid; see [`Self::limited_to`].
     pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
         let key = |field: &str| format!("{key}.{field}");
         checker.between(&key("friction"), self.friction, FRICTION.0, FRICTION.1);
@@ -77,7 +77,7 @@ impl BestConfig {
         checker.not_negative(&key("pressing_speed"), self.pressing_speed);
     }
 
-    /// Returns the configuration with an element force of at most `over_force` (F2), N.
+    /// Returns the configuration with the element force limited to `over_force` (F2, N).
     #[must_use]
     pub fn limited_to(mut self, over_force: f64) -> Self {
         self.element_force = self.element_force.min(over_force);
@@ -87,7 +87,7 @@ impl BestConfig {
 
 /// Compression below which an element's force is treated as noise (N).
 const NOISE: f64 = 0.02;
-/// Compression below which an element is not used to learn friction (N).
+/// Compression below which an element is not used to estimate friction (N).
 const TELLING_FORCE: f64 = 0.15;
 /// Drop of the shear force between two frames that indicates a slip (N).
 const SLIP_DROP: f64 = 0.04;
@@ -101,7 +101,7 @@ struct Load {
     shear: f64,
 }
 
-/// Total load on a finger's touching elements.
+/// Sum of the loads on a finger's elements that are in contact.
 #[derive(Debug, Clone, Copy, Default)]
 struct ContactLoad {
     /// Direction that presses the finger into the object, a unit vector in W.
@@ -110,17 +110,17 @@ struct ContactLoad {
     normal: f64,
     /// Sum of the magnitudes of shear (N).
     shear: f64,
-    /// Largest compression of an element, present or expected after a slip (N).
+    /// Largest compression of an element (N), present or to be expected after a slip.
     largest: f64,
-    /// Number of elements with a significant normal force.
+    /// Number of elements with a normal force that is sufficient to estimate friction.
     touching: f64,
 }
 
-/// The law's state for one finger, with its learnt friction.
+/// State of the law for one finger, with its friction estimate.
 #[derive(Debug, Clone)]
 pub struct Best {
     config: BestConfig,
-    /// Learnt friction coefficient.
+    /// Estimated friction coefficient.
     friction: f64,
     /// Load on each element at the latest frame.
     loads: Vec<Load>,
@@ -139,12 +139,12 @@ impl Best {
         }
     }
 
-    /// Learnt friction coefficient.
+    /// Estimated friction coefficient.
     pub fn friction(&self) -> f64 {
         self.friction
     }
 
-    /// Updates the friction with the latest forces and returns the finger's load.
+    /// Updates the friction estimate with the latest forces. Returns the finger's load.
     fn feel(&mut self, finger: &FingerReadings<'_>, towards_object: DVec3) -> ContactLoad {
         let frame = &finger.touch.frame;
         let new = self.newest.replace(frame.sequence) != Some(frame.sequence);
@@ -175,7 +175,7 @@ impl Best {
         grip
     }
 
-    /// Pressing speed (m/s); negative to yield.
+    /// Pressing speed (m/s); negative if the finger yields.
     fn pressing(&self, grip: &ContactLoad) -> f64 {
         let config = &self.config;
         let needed = config.margin * grip.shear / self.friction;
@@ -199,7 +199,7 @@ impl Law for Best {
 }
 
 impl Load {
-    /// Splits the `force` on a feeler (N, in W); `inward` points into the object.
+    /// Splits the `force` on a feeler (N, in W) into normal and shear components. `inward` points into the object.
     fn new(force: DVec3, inward: DVec3) -> Self {
         let normal = -force.dot(inward);
         Self {
@@ -209,7 +209,8 @@ impl Load {
     }
 }
 
-/// Direction into the object: mean of the touching elements' outward dome normals, weighted by force. `None` without contact.
+/// Direction into the object: mean of the outward dome normals of the elements in contact, weighted by force. `None`
+/// without contact.
 fn inward(finger: &FingerReadings<'_>) -> Option<DVec3> {
     let forces = finger.touch.frame.forces.iter().enumerate();
     let weighted = forces.filter(|(_, force)| force.z > NOISE);
@@ -219,8 +220,8 @@ fn inward(finger: &FingerReadings<'_>) -> Option<DVec3> {
     sum.try_normalize()
 }
 
-/// Friction estimate after the load of one element has changed from `last` to `now`. A slip shows the coefficient
-/// itself; a sticking element shows a lower bound.
+/// Returns the friction estimate after the load of one element has changed from `last` to `now`. A slip gives the
+/// coefficient itself; a sticking element gives a lower bound.
 fn learnt(friction: f64, rate: f64, last: Load, now: Load) -> f64 {
     if last.normal < TELLING_FORCE || now.normal < TELLING_FORCE {
         return friction;

@@ -17,7 +17,7 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 
-/// Error returned when a control law cannot be created.
+/// Error of creating a control law.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LawError {
     /// The policy's file has not been loaded.
@@ -48,30 +48,30 @@ pub enum LawError {
     },
 }
 
-/// The control law. An experiment file contains either its name, as in `law = "best"`, or its name with parameters,
-/// as in `law.best = { margin = 1.5 }`.
+/// Control law. An experiment file contains either its name, as in `law = "best"`, or its name with parameters, as in
+/// `law.best = { margin = 1.5 }`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawConfig {
-    /// The paper's law (Fig. 5): re-compression on slip, detected from tri-axial forces.
+    /// The paper's law (Fig. 5): re-compression after slip, which is detected from the shear rate.
     #[default]
     TriAxial,
-    /// The paper's reflex, with slip detected from missing shear.
+    /// The paper's re-compression, with slip detected from missing shear.
     TriAxialMissingShear(MissingShearConfig),
-    /// Uses compression only, with an assumed friction and load.
+    /// Grasp force control that uses compression only, with an assumed friction and load.
     NormalOnly(NormalOnlyConfig),
-    /// Follows the plan without touch.
+    /// Follows the plan without tactile feedback.
     OpenLoop(OpenLoopConfig),
-    /// Raises the grip before slip, with friction learnt from touch.
+    /// Increases the grip before slip, with friction estimated during contact.
     Best(BestConfig),
-    /// All fingers turn the object about a pivot that is estimated from touch.
+    /// Turns the object with all fingers about a pivot that is estimated from contact points.
     Pivot(PivotConfig),
-    /// A trained neural network, loaded from a file.
+    /// Neural network, loaded from a file.
     Policy(PolicyConfig),
 }
 
 impl LawConfig {
-    /// Names of the laws that need no file.
+    /// Names of the laws that require no file.
     pub const NAMES: [&str; 6] = [
         "tri-axial",
         "tri-axial-missing-shear",
@@ -81,7 +81,7 @@ impl LawConfig {
         "pivot",
     ];
 
-    /// The law with this name and default parameters, or `None` if there is no such law.
+    /// Law with this name and default parameters; `None` if there is no such law.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "tri-axial" => Self::TriAxial,
@@ -94,7 +94,7 @@ impl LawConfig {
         })
     }
 
-    /// Name of the law, as in an experiment file.
+    /// Name of the law in experiment files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::TriAxial => "tri-axial",
@@ -107,7 +107,7 @@ impl LawConfig {
         }
     }
 
-    /// Source code of the law, from which reports measure its size; `None` for a law that is loaded from a file.
+    /// Source code of the law, whose size is listed in reports; `None` for a law loaded from a file.
     pub fn source(&self) -> Option<&'static str> {
         Some(match self {
             Self::TriAxial => include_str!("tri_axial.rs"),
@@ -135,8 +135,8 @@ impl LawConfig {
         })
     }
 
-    /// Requires every value to be in its range. `key` is the table that contains the law; `thresholds` defines F1 and
-    /// F2.
+    /// Checks that all values are in their ranges. `key` is the table that contains the law; `thresholds` defines F1
+    /// and F2.
     pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
         let key = format!("{key}.{}", self.name());
         match self {
@@ -179,10 +179,10 @@ impl LawConfig {
         Ok(Box::new(FingerLaws::new(laws.unwrap_or_default())))
     }
 
-    /// Checks that a policy was made for the number of joints of each of the `fingers`. Other laws suit all fingers.
+    /// Checks that a policy was made for the number of joints of each of the `fingers`. Other laws work for any finger.
     ///
     /// # Errors
-    /// [`LawError::Joints`] if it was not.
+    /// Returns [`LawError::Joints`] if it was not.
     pub fn check_joints(&self, fingers: &[FingerGeometry]) -> Result<(), LawError> {
         let Self::Policy(PolicyConfig {
             file,
@@ -202,8 +202,8 @@ impl LawConfig {
         }
     }
 
-    /// Creates the law for one finger of `elements` elements, in its initial state. Elements touch above
-    /// `touch_force` (F1, N). Returns `None` if the law moves all fingers together.
+    /// Creates the law for one finger of `elements` elements, in its initial state. Elements are in contact at
+    /// compressions above `touch_force` (F1, N). Returns `None` if the law moves all fingers together.
     ///
     /// # Errors
     /// If a policy file has not been loaded, or the policy was made for other fingertips.
@@ -246,7 +246,7 @@ impl<'de> Deserialize<'de> for LawConfig {
     }
 }
 
-/// Table form of the law; exactly one field must be set.
+/// Law as a table of an experiment file; exactly one field must be set.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 struct Laws {

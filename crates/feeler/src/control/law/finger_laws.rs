@@ -1,18 +1,18 @@
-//! A law for the hand that consists of independent laws for each finger.
+//! Law for a hand, composed of independent laws for its fingers.
 
 use super::{HandLaw, Law};
 use crate::control::plan::Plan;
 use crate::control::sense::HandReadings;
 use glam::DVec3;
 
-/// Moves each finger by a separate [`Law`] that receives no data from the other fingers.
+/// Law for a hand that moves each finger with a separate [`Law`], without data from the other fingers.
 #[derive(Debug, Clone)]
 pub struct FingerLaws {
     laws: Vec<Box<dyn Law>>,
 }
 
 impl FingerLaws {
-    /// Creates the law from one law per finger, in order.
+    /// Creates the law from one law per finger, in the order of the fingers.
     pub fn new(laws: Vec<Box<dyn Law>>) -> Self {
         Self { laws }
     }

@@ -1,8 +1,8 @@
-//! The paper's law with another source of SLIP: shear that is missing from the prediction by the fingertip's own
-//! motion ([`SlipDetector`]), instead of the shear rate.
+//! The paper's law with another slip detector: shear that is missing compared with the prediction from the fingertip's
+//! own motion ([`SlipDetector`]), instead of the shear rate.
 //!
-//! The detector needs the fingertip's pose, which sensor programs do not have, so it runs in the control law. The
-//! SLIP flag that sensors raise, and that is recorded, remains the paper's.
+//! The detector needs the fingertip's pose, which sensor programs do not have, so it runs in the control law. The SLIP
+//! flag of the sensors, which is recorded, remains the paper's.
 
 use super::Law;
 use super::tri_axial::{Reflex, TriAxialLaw};
@@ -26,7 +26,7 @@ pub struct MissingShearConfig {
 }
 
 impl Default for MissingShearConfig {
-    /// The threshold that `feeler score-slip` chooses for a precision of 96 % on objects that may move.
+    /// Threshold chosen by `feeler score-slip` for a precision of 96 % on objects that may move.
     fn default() -> Self {
         Self {
             threshold: 0.0098,
@@ -36,14 +36,14 @@ impl Default for MissingShearConfig {
 }
 
 impl MissingShearConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.positive(&format!("{key}.threshold"), self.threshold);
         self.feeler.check(&format!("{key}.feeler"), checker);
     }
 }
 
-/// The law's state for one finger, with its slip detector.
+/// State of the law for one finger, with its slip detector.
 #[derive(Debug, Clone)]
 pub struct MissingShear {
     estimator: TriAxialLaw,
@@ -51,12 +51,12 @@ pub struct MissingShear {
     threshold: f64,
     /// Sequence number of the latest evaluated frame.
     newest: Option<u64>,
-    /// `true` if an element slipped in that frame.
+    /// `true` if an element slipped in the latest evaluated frame.
     slip: bool,
 }
 
 impl MissingShear {
-    /// Creates the law for a finger of `elements` elements, which touch above `touch_force` (F1, N).
+    /// Creates the law for a finger of `elements` elements, which are in contact above `touch_force` (F1, N).
     pub fn new(
         config: &MissingShearConfig,
         reflex: Reflex,
@@ -73,7 +73,7 @@ impl MissingShear {
         }
     }
 
-    /// Returns whether an element slips in the latest frame. Repeats the last result until there is a newer frame.
+    /// Returns whether an element slips in the latest frame. Returns the previous result if there is no newer frame.
     fn slips(&mut self, finger: &FingerReadings<'_>) -> bool {
         let frame = &finger.touch.frame;
         if self.newest.replace(frame.sequence) != Some(frame.sequence) {

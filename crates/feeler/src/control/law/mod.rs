@@ -1,5 +1,4 @@
-//! Control laws: traits for laws that follow a task's plan without losing or crushing the object, and the built-in
-//! laws.
+//! Control laws: traits for laws that follow a task's plan without losing or crushing the object, and built-in laws.
 
 pub mod best;
 mod config;
@@ -27,7 +26,7 @@ const FRICTION: (f64, f64) = (0.01, 10.0);
 ///
 /// Laws are part of the control path: they neither allocate nor panic.
 pub trait Law: DynClone + Debug + Send {
-    /// Velocity of the fingertip until the next control step (m/s, in W).
+    /// Returns the velocity of the fingertip until the next control step (m/s, in W).
     fn velocity(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3;
 }
 
@@ -37,11 +36,11 @@ dyn_clone::clone_trait_object!(Law);
 ///
 /// Laws are part of the control path: the methods neither allocate nor panic.
 pub trait HandLaw: DynClone + Debug + Send {
-    /// Updates the law with the hand's state and forces, before the task plans. Writes for each finger whether it has
+    /// Updates the law with the hand's state and forces, before the task plans. Sets for each finger whether it has
     /// closed on the object; `None` leaves that decision to the task. The default does nothing.
     fn observe(&mut self, _hand: &HandReadings<'_>, _closed: &mut [Option<bool>]) {}
 
-    /// Writes the velocity of each fingertip until the next control step (m/s, in W), given its plan.
+    /// Computes the velocity of each fingertip until the next control step (m/s, in W) from its plan.
     fn velocities(&mut self, plans: &[Plan], hand: &HandReadings<'_>, velocities: &mut [DVec3]);
 }
 

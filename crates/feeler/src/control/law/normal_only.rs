@@ -16,14 +16,14 @@ pub struct NormalOnlyConfig {
     pub friction: f64,
     /// Assumed tangential load on a finger (N).
     pub tangential_load: f64,
-    /// Pressing speed per missing grasp force, m/(N·s).
+    /// Pressing speed per missing grasp force (m/(N·s)).
     pub gain: f64,
     /// Maximum speed of pressing or yielding (m/s).
     pub pressing_speed: f64,
 }
 
 impl Default for NormalOnlyConfig {
-    /// The load corresponds to 42 mN·m, the closing torque of the reference experiment, on a cap of 14 mm radius
+    /// The load corresponds to 42 mN·m, the closing torque of the reference experiment, on a cap of 14 mm radius held
     /// between two fingers.
     fn default() -> Self {
         Self {
@@ -36,7 +36,7 @@ impl Default for NormalOnlyConfig {
 }
 
 impl NormalOnlyConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let key = |field: &str| format!("{key}.{field}");
         checker.between(&key("friction"), self.friction, FRICTION.0, FRICTION.1);
@@ -46,14 +46,14 @@ impl NormalOnlyConfig {
     }
 }
 
-/// The law's state for one finger.
+/// State of the law for one finger.
 #[derive(Debug, Clone)]
 pub struct NormalOnly {
     config: NormalOnlyConfig,
 }
 
 impl NormalOnly {
-    /// Creates the law.
+    /// Creates the law with the given configuration.
     pub fn new(config: NormalOnlyConfig) -> Self {
         Self { config }
     }

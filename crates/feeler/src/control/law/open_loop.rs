@@ -1,8 +1,8 @@
-//! Control law that follows the plan without touch, as a hand would that only knows the object's position.
+//! Control law that follows the plan without tactile feedback, like a hand that knows only the object's position.
 //!
-//! The task's approach ends at its own grasp force under every law; that defines the start of a stroke and is not
-//! part of the law. From there, a finger presses in by a planned distance, so that the straight stroke does not leave
-//! the round object, and then follows its course regardless of forces.
+//! The task's approach ends at its own grasp force under every law; that defines the start of a stroke and is not part
+//! of the law. From there, a finger presses in by a planned distance, so that the straight stroke does not leave the
+//! round object, and then follows its path regardless of forces.
 
 use super::Law;
 use crate::check::Checker;
@@ -17,14 +17,14 @@ use serde::{Deserialize, Serialize};
 pub struct OpenLoopConfig {
     /// Distance by which a grasping finger is pressed further towards the object (m).
     pub squeeze: f64,
-    /// Speed of that motion (m/s).
+    /// Speed of the additional pressing motion (m/s).
     pub squeeze_speed: f64,
 }
 
 impl Default for OpenLoopConfig {
     /// The stroke of the reference task, to 7.35 mm past the cap's apex, leaves the circle of 34.1 mm on which
     /// fingertip and cap touch by 0.75 mm. The squeeze compensates most of that; soft feelers, pressed by 1.0 N when
-    /// the stroke begins, stay in contact for the rest. A larger squeeze presses elements beyond their limit.
+    /// the stroke begins, stay in contact for the rest. A larger squeeze would press elements beyond their limit.
     fn default() -> Self {
         Self {
             squeeze: 0.0005,
@@ -34,23 +34,23 @@ impl Default for OpenLoopConfig {
 }
 
 impl OpenLoopConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.between(&format!("{key}.squeeze"), self.squeeze, 0.0, 0.1);
         checker.not_negative(&format!("{key}.squeeze_speed"), self.squeeze_speed);
     }
 }
 
-/// The law's state for one finger.
+/// State of the law for one finger.
 #[derive(Debug, Clone)]
 pub struct OpenLoop {
     config: OpenLoopConfig,
-    /// Position at which the grasp began (m, in W), or `None` while the plan keeps no grasp.
+    /// Position at which the grasp began (m, in W); `None` while the plan requires no grasp.
     grasped_at: Option<DVec3>,
 }
 
 impl OpenLoop {
-    /// Creates the law.
+    /// Creates the law with the given configuration.
     pub fn new(config: OpenLoopConfig) -> Self {
         Self {
             config,

@@ -1,7 +1,8 @@
-//! Learnt policy: a neural network whose output is added to the plan's velocity while the plan requests a reflex.
+//! Learned policy: a neural network whose output is added to the planned velocity while the plan enables the slip
+//! reflex.
 //!
-//! It is trained elsewhere and loaded from a file; evaluating it needs neither Python nor a library. Its only memory
-//! is its own last action.
+//! It is trained externally and loaded from a file; evaluation requires neither Python nor a library. Its only state is
+//! its last action.
 
 mod file;
 mod network;
@@ -18,18 +19,18 @@ use network::{Network, Scratch};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Selection of a policy.
+/// Policy file of a control law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PolicyConfig {
     /// File of the policy, relative to the experiment file.
     pub file: String,
-    /// Content of the file, or `None` before it is loaded.
+    /// Content of the file; `None` before it is loaded.
     #[serde(skip)]
     pub model: Option<Arc<PolicyModel>>,
 }
 
-/// Content of a policy file.
+/// Neural network of a policy file, with its metadata.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolicyModel {
     layout: ObservationLayout,
@@ -73,15 +74,15 @@ impl PolicyModel {
     }
 }
 
-/// The law's state for one finger that is controlled by a policy.
+/// State of the law for one finger that is controlled by a policy.
 ///
-/// While the plan requests a reflex, the finger's velocity is the plan's plus `residual_speed * tanh(outputs)`, with
-/// the outputs along the axes of the fingertip frame `T`. Otherwise it is the plan's velocity.
+/// While the plan enables the slip reflex, the finger's velocity is the planned one plus `residual_speed *
+/// tanh(outputs)`, with the outputs along the axes of the fingertip frame `T`. Otherwise it is the planned velocity.
 #[derive(Debug, Clone)]
 pub struct Policy {
     model: Arc<PolicyModel>,
     scratch: Scratch,
-    /// Latest velocity (m/s, in W).
+    /// Velocity of the latest control step (m/s, in W).
     last_action: DVec3,
 }
 
@@ -95,7 +96,7 @@ impl Policy {
         }
     }
 
-    /// Velocity that the network adds to the plan's (m/s, in W).
+    /// Velocity that the network adds to the planned velocity (m/s, in W).
     fn residual(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
         let layout = self.model.layout;
         let inputs = self.scratch.inputs_mut();

@@ -1,4 +1,5 @@
-//! The finger speed estimator (paper, Fig. 5): computes the fingertip velocity from the plan and the flags.
+//! The paper's control law (finger speed estimator, Fig. 5): computes the fingertip velocity from the plan and the
+//! contact flags.
 
 use super::Law;
 use crate::control::flags::FingerFlags;
@@ -9,13 +10,13 @@ use glam::DVec3;
 /// Parameters of the reflex that presses a slipping or weakly grasping finger into the object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reflex {
-    /// v_r: speed of re-compression (m/s).
+    /// v_r: speed at which the finger is pressed into the object (re-compression, m/s).
     pub recompression_speed: f64,
-    /// Grasp force below which a moving finger is also re-compressed (N).
+    /// Grasp force below which a moving finger is pressed into the object, as after a slip (N).
     pub minimum_grasp_force: f64,
 }
 
-/// Computes one finger's velocity and keeps it while neither plan nor flags change.
+/// The paper's law for one finger. Keeps the velocity while neither plan nor flags change.
 #[derive(Debug, Clone)]
 pub struct TriAxialLaw {
     reflex: Reflex,
@@ -42,7 +43,7 @@ impl Law for TriAxialLaw {
 }
 
 impl TriAxialLaw {
-    /// Creates an estimator for a finger at rest.
+    /// Creates the law for a finger at rest.
     pub fn new(reflex: Reflex) -> Self {
         Self {
             reflex,
@@ -51,7 +52,7 @@ impl TriAxialLaw {
         }
     }
 
-    /// Velocity of the fingertip (m/s, in W). `pressing` is the outward dome normal (in W) of the touching element
+    /// Velocity of the fingertip (m/s, in W). `pressing` is the outward dome normal (in W) of the element in contact
     /// with the largest F_z, if any: the direction that presses it further into the object.
     pub fn estimate(&mut self, plan: &Plan, flags: &FingerFlags, pressing: Option<DVec3>) -> DVec3 {
         let situation = LawInputs {
@@ -68,7 +69,7 @@ impl TriAxialLaw {
         self.velocity
     }
 
-    /// The re-compressive velocity, zero while an element is over its limit.
+    /// Re-compressive velocity; zero while an element is over its limit.
     fn recompression(&self, situation: &LawInputs, pressing: Option<DVec3>) -> DVec3 {
         let slipping = situation.slip && situation.plan.reflex;
         let direction = match pressing {

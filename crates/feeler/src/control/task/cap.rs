@@ -1,10 +1,10 @@
 //! Task that screws a cap until the hand detects that it is closed, or unscrews it until it is open.
 //!
 //! The strokes are those of the [screw task](super::screw), with two differences. First, the task controls the grip
-//! itself: it presses each finger with a definite force, whether the finger slips or not. Second, it continues until
+//! force itself: it presses each finger with a given force, whether the finger slips or not. Second, it continues until
 //! the state of the cap is known. It grips gently at first. Once a stroke turns the cap by less than half of the
-//! expected angle, it uses the maximum grip. Once the fingers have slipped over a cap at rest in two consecutive
-//! strokes, the resistance measured so far decides the outcome.
+//! expected angle, it uses the maximum grip force. Once the fingers have slipped over a cap at rest in two consecutive
+//! strokes, the outcome is determined from the resistance measured so far.
 
 use super::cap_config::{CapConfig, Until};
 use super::cap_estimator::CapEstimator;
@@ -19,18 +19,19 @@ use crate::control::stop_reason::StopReason;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Number of consecutive strokes in which a cap must stand still.
+/// Number of consecutive strokes without rotation after which the outcome is determined.
 const STILL_STROKES: u32 = 2;
-/// Share of the expected turn below which a stroke has met resistance.
+/// Fraction of the expected rotation below which a stroke has met resistance.
 const FREE_SHARE: f64 = 0.5;
-/// Share of the requested grip at which a finger counts as gripping.
+/// Fraction of the requested grip force at which a finger counts as gripping.
 const GRIPPING: f64 = 0.9;
-/// Share of the maximum friction force at which a finger stops dragging: beyond it, something other than friction
-/// holds the finger.
+/// Fraction of the maximum friction force at which a finger stops its stroke; beyond it, the finger is held by
+/// something other than friction.
 const DRAGGED: f64 = 0.97;
-/// Share of the maximum friction force above which a finger slows down.
+/// Fraction of the maximum friction force above which a finger slows down.
 const SLOWED: f64 = 0.92;
-/// Maximum compression of elements as a share of the damaging force. The rest is left for shear and noise.
+/// Maximum compression of elements as a fraction of the force that damages them. The rest is reserved for shear and
+/// noise.
 const GUARDED: f64 = 0.85;
 
 /// State machine of the task.
@@ -43,11 +44,11 @@ pub struct CapTask {
     curve: ResistanceCurve,
     phase: Phase,
     stroke: u32,
-    /// `true` if the maximum grip is used.
+    /// `true` if the maximum grip force is used.
     firm: bool,
-    /// Number of consecutive strokes in which the cap stood still.
+    /// Number of consecutive strokes in which the cap did not rotate.
     still: u32,
-    /// Angle by which the cap was turned before this stroke, and in it (rad).
+    /// Rotation of the cap before this stroke, and during it (rad).
     turned: f64,
     stroke_turn: f64,
     outcome: Option<&'static str>,
@@ -135,7 +136,7 @@ impl CapTask {
         }
     }
 
-    /// Evaluates the completed stroke.
+    /// Evaluates the completed stroke, and determines the outcome if possible.
     fn judge(&mut self) {
         let Some(radius) = self.touch.radius() else {
             return self.end("no cap");
@@ -177,13 +178,13 @@ impl CapTask {
         }
     }
 
-    /// Measured stiffness of the resistance that the cap has met (N·m/rad).
+    /// Measured torsional stiffness of the resistance of the cap (N·m/rad).
     fn stiffness(&self) -> Option<f64> {
         self.curve
             .stiffness(self.config.grasp_force / self.cap.grip)
     }
 
-    /// Force of `finger` along its stroke, as a share of the force that the maximum friction allows.
+    /// Force of `finger` along its stroke, as a fraction of the maximum friction force.
     fn drag(&self, finger: usize) -> f64 {
         let felt = self.touch.fingers.get(finger);
         felt.map_or(0.0, |felt| felt.shear) / (self.cap.most_friction * self.grip())
@@ -193,7 +194,7 @@ impl CapTask {
         self.outcome = self.outcome.or(Some(outcome));
     }
 
-    /// Updates the recorded findings; `torque` is the current torque on the cap (N·m).
+    /// Updates the recorded measurements; `torque` is the current torque on the cap (N·m).
     fn note(&mut self, torque: f64) {
         let grips = self.touch.fingers.iter().map(|finger| finger.grip);
         let found = [
@@ -207,7 +208,7 @@ impl CapTask {
         self.findings = found.map(|(name, value)| Finding { name, value });
     }
 
-    /// Speed towards the axis that regulates the grip of `finger` (m/s).
+    /// Speed of `finger` towards the axis (m/s) that regulates its grip force.
     fn press(&self, finger: usize) -> f64 {
         let Some(felt) = self.touch.fingers.get(finger) else {
             return 0.0;
@@ -218,8 +219,8 @@ impl CapTask {
         (self.cap.grip_gain * missing.min(left)).clamp(-outward, inward)
     }
 
-    /// Speed of the stroke of `finger` (m/s), reduced if it would press an element too hard or drag beyond the
-    /// maximum friction.
+    /// Speed of `finger` along its stroke (m/s), reduced if an element would be compressed too much or the maximum
+    /// friction force exceeded.
     fn pace(&self, finger: usize) -> f64 {
         let largest = self.touch.fingers.get(finger).map_or(0.0, |f| f.largest);
         let left = 1.0 - largest / self.cap.damage_force;

@@ -4,16 +4,16 @@ use crate::check::{Checker, MAX};
 use crate::control::feeler_shape::FeelerShape;
 use serde::{Deserialize, Serialize};
 
-/// When the strokes end.
+/// Condition that ends the strokes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Until {
     /// After the number of `strokes`.
     #[default]
     Strokes,
-    /// When the hand detects that the cap is closed or cannot be closed; after `strokes` at most.
+    /// When the hand detects that the cap is closed or cannot be closed; at most `strokes` strokes.
     Closed,
-    /// When the hand has turned the cap open; after `strokes` at most.
+    /// When the hand has opened the cap; at most `strokes` strokes.
     Open,
 }
 
@@ -30,7 +30,7 @@ defaults! {
     open_turns: f64 = 1.0,
 }
 
-/// Prior knowledge of a cap, and limits of its handling. The torque that a hand can exert is limited by friction:
+/// Prior knowledge of a cap, and limits for handling it. The torque that a hand can exert is limited by friction:
 /// static coefficient times `grip` times radius times number of fingers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -38,45 +38,46 @@ pub struct CapConfig {
     /// Assumed position of the axis, x and y (m, in W).
     #[serde(default = "default::axis")]
     pub axis: [f64; 2],
-    /// Maximum grip force of each finger towards the axis (N). Gentle strokes use the task's `grasp_force`.
+    /// Maximum grip force of each finger towards the axis (N). Gentle strokes use `grasp_force` of the task.
     pub grip: f64,
-    /// Force F_z that damages an element if it persists (N).
+    /// Force F_z that damages an element if it lasts (N).
     #[serde(default = "default::damage_force")]
     pub damage_force: f64,
-    /// Speed towards the axis per missing grip force, m/(s·N).
+    /// Speed towards the axis per missing grip force (m/(s·N)).
     #[serde(default = "default::grip_gain")]
     pub grip_gain: f64,
     /// Distance of a finger from the cap between strokes (m).
     #[serde(default = "default::clearance")]
     pub clearance: f64,
-    /// Turn of the cap below which a stroke counts as not having turned it (rad).
+    /// Rotation of the cap below which a stroke counts as not having turned it (rad).
     #[serde(default = "default::still_turn")]
     pub still_turn: f64,
-    /// Upper bound of the friction coefficient of any cap. If a finger drags harder without slipping, something else
-    /// holds it, such as knurls, and it drags no further: larger forces would not be measured correctly, and the
-    /// torque is not needed.
+    /// Upper bound of the friction coefficient of any cap. If the tangential force on a finger exceeds it without slip,
+    /// something else holds the finger, such as knurls, and the stroke ends: larger forces would not be measured
+    /// correctly, and the torque is not needed.
     #[serde(default = "default::most_friction")]
     pub most_friction: f64,
-    /// Minimum stiffness of a seat (N·m/rad). Softer resistance before a standstill is not a seat.
+    /// Minimum torsional stiffness of a seated cap (N·m/rad). If the resistance before standstill is softer, the cap is
+    /// not seated.
     #[serde(default = "default::softest_seat")]
     pub softest_seat: f64,
-    /// Minimum number of turns of a closed cap. A cap that stands still earlier is not closed.
+    /// Minimum number of turns of a closed cap. A cap that stops earlier is not closed.
     #[serde(default = "default::least_turns")]
     pub least_turns: f64,
-    /// Number of turns after which a cap that still turns counts as spinning freely.
+    /// Number of turns after which a cap that still rotates counts as spinning freely.
     #[serde(default = "default::most_turns")]
     pub most_turns: f64,
     /// Number of turns after which a cap counts as open.
     #[serde(default = "default::open_turns")]
     pub open_turns: f64,
-    /// Properties of the feelers, measured on a test bench.
+    /// Mechanical properties of the feelers, measured on a test bench.
     #[serde(default)]
     pub feeler: FeelerShape,
 }
 
 impl CapConfig {
-    /// Requires every value of the table `key` to be in its range, and the grip to be at least `grasp_force`, given
-    /// with its key.
+    /// Checks that every value of the table `key` is in its range, and that the grip force is at least `grasp_force`,
+    /// which is given with its key.
     pub fn check(&self, key: &str, grasp_force: (&str, f64), checker: &mut Checker) {
         let [x, y] = self.axis;
         checker.vector(&format!("{key}.axis"), [x, y, 0.0]);

@@ -1,8 +1,8 @@
-//! Estimates torque, turn, radius and grip of a cap from forces and encoders.
+//! Estimates torque, rotation, radius and grip force of a cap from forces and encoders.
 //!
-//! A feeler deflects under its force according to its stiffness, so force and encoders give the point where its tip
-//! touches the cap: the *anchor*. While the tip sticks, the anchor moves with the cap. When it slips, the shear force
-//! drops within a frame, and the anchor's motion is not the cap's.
+//! A feeler deflects under its force according to its stiffness, so force and encoders give the point at which its tip
+//! touches the cap: the *anchor*. While the tip sticks, the anchor moves with the cap. When the tip slips, the shear
+//! force drops within a frame, and the motion of the anchor is not that of the cap.
 
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::{FingerReadings, HandReadings};
@@ -10,15 +10,15 @@ use glam::{DVec2, DVec3};
 
 /// Compression below which an element is ignored (N).
 const TOUCH: f64 = 0.1;
-/// Drop of the shear force between frames that indicates a slip, as a share of the normal force.
+/// Drop of the shear force between frames that indicates a slip, as a fraction of the normal force.
 const SLIP_SHARE: f64 = 0.05;
-/// Constant added to that threshold (N), far above the noise of a frame.
+/// Constant part of the drop that indicates a slip (N), far above the noise of a frame.
 const SLIP_DROP: f64 = 0.01;
-/// Number of frames without slip after which a sliding finger counts as sticking: small slips between large ones are
-/// hidden by noise.
+/// Number of frames without a detected slip after which a sliding finger counts as sticking, because small slips
+/// between large ones are hidden by noise.
 const SLIDING: u32 = 5;
 
-/// Estimates from one finger, and the state they need.
+/// Estimates from one finger, and the state that they require.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FingerEstimate {
     /// Force on the cap towards the axis (N).
@@ -35,13 +35,13 @@ pub struct FingerEstimate {
     sticking: u32,
     /// `true` if the most loaded element has slipped since the stroke began.
     pub slid: bool,
-    /// Motion of the most loaded element's anchor along the stroke since the previous frame (m); `None` while it
-    /// slides, or if another element was the most loaded one.
+    /// Motion along the stroke of the anchor of the most loaded element since the previous frame (m); `None` while the
+    /// element slides, or if another element was the most loaded one.
     advance: Option<f64>,
     leading: Option<Leading>,
 }
 
-/// The most loaded element at one frame.
+/// State of the most loaded element at one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Leading {
     element: usize,
@@ -50,22 +50,22 @@ struct Leading {
     sequence: u64,
 }
 
-/// Estimates the torque on a cap, its radius and its rotation from the readings of all fingers. The position of the
-/// cap's axis is known only approximately.
+/// Estimates torque, radius and rotation of a cap from the readings of all fingers. The position of the cap's axis is
+/// known only approximately.
 #[derive(Debug, Clone)]
 pub struct CapEstimator {
     /// Assumed position of the axis (m, in W).
     axis: DVec2,
     feeler: FeelerShape,
-    /// 1 if the strokes turn counter-clockwise seen from above, otherwise -1.
+    /// 1 if the strokes turn counterclockwise seen from above, otherwise -1.
     sense: f64,
     /// Estimates from each finger.
     pub fingers: Vec<FingerEstimate>,
 }
 
 impl CapEstimator {
-    /// Creates the estimator for `fingers` fingers whose strokes turn about `axis` (m, in W); the sign of `sense` is
-    /// the direction.
+    /// Creates the estimator for `fingers` fingers with strokes about `axis` (m, in W) in the direction given by the
+    /// sign of `sense`.
     pub fn new(axis: DVec2, feeler: FeelerShape, sense: f64, fingers: usize) -> Self {
         Self {
             axis,
@@ -83,7 +83,7 @@ impl CapEstimator {
         }
     }
 
-    /// Starts a stroke: resets the slips.
+    /// Starts a stroke: resets the slip state of all fingers.
     pub fn begin_stroke(&mut self) {
         for finger in &mut self.fingers {
             finger.slid = false;
@@ -92,19 +92,19 @@ impl CapEstimator {
         }
     }
 
-    /// Total torque on the cap about the axis, positive in the direction of the stroke (N·m). Opposing fingers form a
-    /// couple, whose torque is the same about any axis, so a small error of the axis does not matter.
+    /// Total torque on the cap about the axis, positive in the direction of the stroke (N·m). Opposing fingers exert a
+    /// couple, whose torque is the same about any axis, so a small error of the axis has no effect.
     pub fn torque(&self) -> f64 {
         self.fingers.iter().map(|finger| finger.torque).sum()
     }
 
-    /// Radius of the cap, averaged over the touching fingers (m). If the assumed axis is off, one finger is nearer
+    /// Radius of the cap (m), averaged over the fingers in contact. If the assumed axis is wrong, one finger is nearer
     /// and another one farther.
     pub fn radius(&self) -> Option<f64> {
         mean(self.touching().map(|finger| finger.radius))
     }
 
-    /// Turn of the cap since the previous frame (rad), from the fingers that stick to it.
+    /// Rotation of the cap since the previous frame (rad), from the fingers that stick to it.
     pub fn turned(&self) -> f64 {
         let advance = mean(self.fingers.iter().filter_map(|finger| finger.advance));
         match (advance, self.radius()) {
@@ -113,7 +113,7 @@ impl CapEstimator {
         }
     }
 
-    /// Unit vectors at `position` (m, in W): away from the axis, and along the stroke.
+    /// Unit vectors at `position` (m, in W): outward from the axis, and along the stroke.
     pub fn directions(&self, position: DVec3) -> (DVec3, DVec3) {
         let away = (position.truncate() - self.axis).normalize_or_zero();
         (away.extend(0.0), (self.sense * away.perp()).extend(0.0))
@@ -163,7 +163,7 @@ impl FingerEstimate {
         self.follow(leading);
     }
 
-    /// Updates the motion of the leading element's anchor, and whether it slipped.
+    /// Updates the motion of the anchor of the most loaded element, and detects slip.
     fn follow(&mut self, leading: Option<(Leading, DVec2, f64)>) {
         let before = self.leading;
         self.leading = leading.map(|(now, ..)| now);

@@ -18,17 +18,17 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", try_from = "Tasks")]
 pub enum TaskConfig {
-    /// Turns an object by repeatedly touching, moving and releasing it.
+    /// Turns an object by repeatedly grasping, turning and releasing it.
     Screw(ScrewConfig),
-    /// Moves around an upright object and traces its outline.
+    /// Moves a finger around an upright object and traces its outline.
     Contour(ContourConfig),
     /// Slides or lifts an object along a path.
     Carry(CarryConfig),
-    /// Grips an object, holds it while an arm carries it, and lets go when it is put down.
+    /// Grips an object, holds it while an arm carries it, and releases it when it is put down.
     Grip(GripConfig),
     /// Slides over a flat specimen and measures its friction.
     FrictionScan(FrictionScanConfig),
-    /// Touches, presses, shears and slides at three places, to identify hand and object.
+    /// Touches, presses, shears and slides at three places, for identification of hand and object.
     Probe(ProbeConfig),
 }
 
@@ -48,7 +48,7 @@ impl TaskConfig {
         }
     }
 
-    /// Name of the task, as in an experiment file.
+    /// Name of the task in experiment files.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Screw(_) => "screw",
@@ -72,7 +72,7 @@ impl TaskConfig {
         }
     }
 
-    /// Number of times that the fingers touch and release.
+    /// Number of times that the fingers grasp and release the object.
     pub fn strokes(&self) -> u32 {
         match self {
             Self::Screw(config) => config.strokes,
@@ -82,22 +82,23 @@ impl TaskConfig {
         }
     }
 
-    /// Tasks whose fingers are moved by a [law](crate::control::law), for messages.
+    /// Tasks whose fingers are controlled by a [law](crate::control::law), for messages.
     pub const WITH_LAW: &str = "task.screw with until = \"strokes\"";
 
-    /// Returns whether the experiment's control law must be a policy, which moves the fingers while they hold an object.
+    /// Returns whether the experiment's control law must be a policy, which controls the fingers while they hold an
+    /// object.
     pub fn takes_policy_only(&self) -> bool {
         matches!(self, Self::Grip(config) if config.law == GripLaw::Policy)
     }
 
-    /// Returns whether the experiment's control law moves the fingers. The other tasks control their contact forces
+    /// Returns whether the experiment's control law controls the fingers. The other tasks control their contact forces
     /// themselves and ignore the law.
     pub fn takes_law(&self) -> bool {
         matches!(self, Self::Screw(config) if config.until == Until::Strokes)
     }
 
-    /// Requires every value of the table `task` to be in its range, for a control period of `period` seconds.
-    /// `thresholds` defines F1 and F2; homes must be within `limits`.
+    /// Checks that every value of the table `task` is in its range, for a control period of `period` seconds.
+    /// `thresholds` defines F1 and F2; home positions must be within `limits`.
     pub fn check(
         &self,
         period: f64,
@@ -125,7 +126,7 @@ impl TaskConfig {
         }
     }
 
-    /// Requires homes within the workspace.
+    /// Checks that the home positions are within the workspace.
     fn check_homes(&self, key: &str, limits: &LimitsConfig, checker: &mut Checker) {
         let (lower, upper) = (limits.workspace_lower, limits.workspace_upper);
         for (finger, home) in self.homes().into_iter().enumerate() {
@@ -151,8 +152,8 @@ impl TaskConfig {
     }
 }
 
-/// Table form of the task; exactly one field must be set. Unlike an enum, it gives a helpful message for unknown
-/// keys.
+/// Task as a table of an experiment file; exactly one field must be set. Unlike an enum, it gives a helpful message for
+/// unknown keys.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Tasks {

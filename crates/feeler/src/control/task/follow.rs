@@ -1,4 +1,4 @@
-//! Task whose motion another program decides: each finger follows the joint velocities that were requested last.
+//! Task controlled by another program: each finger follows the joint velocities of the latest request.
 
 use super::Task;
 use crate::control::phase::Phase;
@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Joint velocities of all fingers (rad/s, or m/s of a prismatic joint).
 pub type HandVelocities = [JointVector; MAX_FINGERS];
 
-/// Velocities that another thread requests from a [`FollowTask`]. Clones share the request.
+/// Joint velocities requested from a [`FollowTask`] by another thread. Clones share the request.
 #[derive(Debug, Clone, Default)]
 pub struct Requests(Arc<Mutex<Request>>);
 
@@ -34,19 +34,19 @@ impl Requests {
         request.number
     }
 
-    /// Ends the task at its next step.
+    /// Ends the task at its next control step.
     pub fn end(&self) {
         let mut request = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         request.has_ended = true;
     }
 
-    /// Number of the request that the latest control step has followed, or 0.
+    /// Number of the request that the latest control step has followed; 0 if none has been followed.
     pub fn followed(&self) -> u64 {
         let request = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         request.followed
     }
 
-    /// The latest request, which the current control step follows.
+    /// Returns the latest request and marks it as followed by the current control step.
     fn follow(&self) -> Request {
         let mut request = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         request.followed = request.number;
@@ -54,27 +54,27 @@ impl Requests {
     }
 }
 
-/// Follows requested joint velocities. A request expires: without a new one, the fingers stand still. A request that
-/// arrives while the hand is stopped is not followed after it resumes. The phase is [`Phase::Move`] until the requests
-/// end.
+/// Follows requested joint velocities. A request expires if no new one arrives; the fingers then stand still. A request
+/// that arrives while the hand is stopped is not followed after the hand resumes. The phase is [`Phase::Move`] until
+/// the requests end.
 #[derive(Debug, Clone)]
 pub struct FollowTask {
     requests: Requests,
     fingers: Vec<FingerGeometry>,
-    /// Time until a request expires (s).
+    /// Duration after which a request expires (s).
     lifetime: f64,
-    /// The request that is followed.
+    /// Request that is followed.
     followed: Request,
-    /// Time of the control step at which it arrived (s).
+    /// Time of the control step at which the request arrived (s).
     arrived: f64,
-    /// Time of the previous control step (s). The task takes no part in the steps of a stopped hand.
+    /// Time of the previous control step of the task (s), which is not called while the hand is stopped.
     stepped: f64,
     /// `true` if the request has not expired.
     is_valid: bool,
 }
 
 impl FollowTask {
-    /// Creates the task of a hand with these fingers, whose requests expire after `lifetime` seconds of the hand's time.
+    /// Creates the task for a hand with these fingers. Requests expire after `lifetime` (s, on the hand's clock).
     pub fn new(requests: Requests, fingers: Vec<FingerGeometry>, lifetime: f64) -> Self {
         Self {
             requests,

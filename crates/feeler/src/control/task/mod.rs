@@ -43,9 +43,9 @@ use std::fmt::Debug;
 
 /// Plans the motion of all fingers from their readings.
 ///
-/// In every control step, [`advance`](Self::advance) is called first, then [`plan`](Self::plan) for each finger. A
-/// task is not called while the hand is stopped, and continues from the same state afterwards. The methods are part
-/// of the control path: they neither allocate nor panic.
+/// In every control step, [`advance`](Self::advance) is called first, then [`plan`](Self::plan) for each finger. A task
+/// is not called while the hand is stopped, and continues in the same state afterwards. The methods are part of the
+/// control path: they neither allocate nor panic.
 pub trait Task: DynClone + Debug + Send {
     /// Updates the task with the readings of all fingers, and starts the next phase when due.
     ///
@@ -59,12 +59,12 @@ pub trait Task: DynClone + Debug + Send {
     /// Current phase; [`Phase::Done`] ends the run.
     fn phase(&self) -> Phase;
 
-    /// Number of the current cycle of touching and releasing, from 1.
+    /// Number of the current cycle of grasping and releasing, from 1.
     fn stroke(&self) -> u32 {
         1
     }
 
-    /// Findings of the task so far, always in the same order.
+    /// Quantities that the task has measured so far, always in the same order.
     fn findings(&self) -> &[Finding] {
         &[]
     }
@@ -82,17 +82,17 @@ pub trait Task: DynClone + Debug + Send {
 
 dyn_clone::clone_trait_object!(Task);
 
-/// A quantity that a task has measured.
+/// Quantity measured by a task.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Finding {
-    /// Name, with the unit if any: `static_friction`, `torque_nm`.
+    /// Name, with the unit if it has one: `static_friction`, `torque_nm`.
     pub name: &'static str,
     /// Value in SI units.
     pub value: f64,
 }
 
 impl Finding {
-    /// A finding that has not been measured yet.
+    /// Creates a finding without a measured value.
     fn unknown(name: &'static str) -> Self {
         let value = f64::NAN;
         Self { name, value }

@@ -1,23 +1,24 @@
-//! Torque-angle curve of a cap, from which its seat is identified.
+//! Torque-angle curve of a cap, from which a seated cap is identified.
 
-/// Lowest torque of the curve (N·m).
+/// Torque of the first point of the curve (N·m).
 const LOWEST: f64 = 1e-3;
 /// Ratio of the torques of consecutive points.
 const RATIO: f64 = 1.03;
-/// Number of points: up to 0.4 N·m.
+/// Number of points, up to a torque of 0.4 N·m.
 const POINTS: usize = 204;
-/// The stiffness is measured up to this share of the largest torque, below the limit of friction, where fingers slip
-/// and measure spurious turns.
+/// Upper end of the stiffness measurement, as a fraction of the largest torque. It is below the friction limit, where
+/// fingers slip and measure spurious rotations.
 const HIGHEST: f64 = 0.9;
-/// The stiffness is measured from this multiple of the limit of gentle strokes, in which the fingers slipped as well.
+/// Lower end of the stiffness measurement, as a multiple of the torque limit of gentle strokes, in which the fingers
+/// slipped too.
 const ABOVE_GENTLE: f64 = 1.2;
-/// Minimum span of the stiffness measurement, as a share of the largest torque.
+/// Minimum span of the stiffness measurement, as a fraction of the largest torque.
 const SPAN: f64 = 0.2;
 
-/// Turn of the cap at which the torque first exceeded each of a series of values.
+/// Curve of torque over angle: the rotation of the cap at which the torque first exceeded each of a series of values.
 ///
-/// A cap turns only while the torque equals its resistance, and the resistance on a seat only grows. So whenever the
-/// torque exceeds all earlier values, it is the resistance at that angle.
+/// A cap rotates only while the torque equals its resistance, and the resistance of a seat only increases. So whenever
+/// the torque exceeds all earlier values, it equals the resistance at that angle.
 #[derive(Debug, Clone)]
 pub struct ResistanceCurve {
     turn: [f64; POINTS],
@@ -37,7 +38,7 @@ impl Default for ResistanceCurve {
 }
 
 impl ResistanceCurve {
-    /// Adds a torque (N·m) at an angle (rad).
+    /// Adds a torque (N·m) at a rotation of the cap (rad).
     pub fn push(&mut self, torque: f64, turn: f64) {
         self.largest = self.largest.max(torque);
         while let Some(point) = self.turn.get_mut(self.reached) {
@@ -49,8 +50,8 @@ impl ResistanceCurve {
         }
     }
 
-    /// Stiffness of the resistance (N·m/rad), infinite if the cap did not turn, or `None` before any torque. Gentle
-    /// strokes grip with the share `gentle` of the grip of firm ones.
+    /// Torsional stiffness of the resistance (N·m/rad); infinite if the cap did not rotate, `None` if the torque was
+    /// too low to measure it. `gentle` is the ratio of the grip forces of gentle and firm strokes.
     pub fn stiffness(&self, gentle: f64) -> Option<f64> {
         let lowest = (ABOVE_GENTLE * gentle).min(HIGHEST - SPAN);
         let (low, high) = (self.point(lowest)?, self.point(HIGHEST)?);
@@ -66,7 +67,7 @@ impl ResistanceCurve {
         LOWEST * RATIO.powi(point as i32)
     }
 
-    /// The last point below a share of the largest torque.
+    /// Index of the last point below the fraction `share` of the largest torque.
     fn point(&self, share: f64) -> Option<usize> {
         let steps = libm::log(share * self.largest / LOWEST) / libm::log(RATIO);
         let last = self.reached.checked_sub(1)?;

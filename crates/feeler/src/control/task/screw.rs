@@ -1,4 +1,4 @@
-//! The screw task: repeats SEARCH, MOVE, RELEASE and RETURN (paper, section V.B).
+//! The screw task: repeats the phases SEARCH, MOVE, RELEASE and RETURN (paper, section V.B).
 
 pub use super::screw_config::{FingerPathConfig, ScrewConfig};
 
@@ -20,7 +20,7 @@ pub struct ScrewTask {
     stroke: u32,
 }
 
-/// State of one finger on its rectangle.
+/// State of one finger on its rectangular path.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Path {
     /// Position to which the finger returns (m, in W).
@@ -146,7 +146,7 @@ impl Task for ScrewTask {
 }
 
 impl Path {
-    /// Creates the rectangle of `config`, at its start.
+    /// Creates the rectangular path described by `config`, at its start.
     pub fn new(config: &FingerPathConfig) -> Self {
         let home = DVec3::from_array(config.home);
         Self {
@@ -168,13 +168,13 @@ impl Path {
         (position - self.home).dot(self.approach)
     }
 
-    /// Moves home to at most `clearance` (m) from where this stroke began.
+    /// Moves the home position to at most `clearance` (m) from the start of this stroke.
     pub fn stay_near(&mut self, clearance: f64) {
         let way = self.searched(self.stroke_start) - clearance;
         self.home = self.start + way.max(0.0) * self.approach;
     }
 
-    /// Distance from the start of the task towards the object of a finger at `position` (m).
+    /// Distance towards the object of a finger at `position` from its position at the start of the task (m).
     pub fn searched(&self, position: DVec3) -> f64 {
         (position - self.start).dot(self.approach)
     }

@@ -4,23 +4,23 @@ use super::cap_config::{CapConfig, Until};
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
-/// Parameters of the roughly planned rectangle that each finger follows.
+/// Parameters of the screw task, in which each finger follows an approximately planned rectangular path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScrewConfig {
-    /// When the strokes end.
+    /// Condition that ends the strokes.
     #[serde(default)]
     pub until: Until,
-    /// Number of times that the fingers touch, turn and release; the maximum number unless `until` is `strokes`.
+    /// Number of times that the fingers grasp, turn and release; the maximum number unless `until` is `strokes`.
     #[serde(default = "default::strokes")]
     pub strokes: u32,
     /// v_0: speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// Grasp force at which a searching finger stops (N). Once all fingers have reached it, they start to move.
+    /// Grasp force at which a searching finger stops (N). Once all fingers have reached it, the stroke begins.
     #[serde(default = "default::grasp_force")]
     pub grasp_force: f64,
-    /// Maximum travel from home without a grasp (m). A finger that exceeds it stops the task.
+    /// Maximum travel from home without a grasp (m). If a finger exceeds it, the hand is stopped.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
     /// v_m: speed of the stroke (m/s).
@@ -38,7 +38,7 @@ pub struct ScrewConfig {
     /// Properties of the cap; required unless `until` is `strokes`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapConfig>,
-    /// Rectangle of each finger.
+    /// Rectangular path of each finger.
     pub finger: Vec<FingerPathConfig>,
 }
 
@@ -53,7 +53,7 @@ defaults! {
     home_tolerance: f64 = 0.0002,
 }
 
-/// Rectangle of one finger.
+/// Rectangular path of one finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerPathConfig {

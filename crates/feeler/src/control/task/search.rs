@@ -1,8 +1,8 @@
-//! Limit of a search.
+//! Limit of the travel of a search.
 
 use crate::control::stop_reason::StopReason;
 
-/// Checks that a search has not exceeded its maximum travel.
+/// Checks that a searching finger has not exceeded its maximum travel.
 ///
 /// # Errors
 /// If `travel` is more than `limit` (m).

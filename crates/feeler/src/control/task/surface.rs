@@ -1,11 +1,12 @@
-//! Touching elements of a finger.
+//! Elements of a finger that are in contact.
 
 use crate::control::sense::FingerReadings;
 use glam::DVec3;
 
-/// Iterates over the elements with a force above `touch_force` (N), with the force on each (N, in W).
+/// Iterates over the elements with a force above `touch_force` (N), with the force on each element (N, in W).
 ///
-/// The magnitude of the force counts, not only compression: a feeler that is caught behind an edge is bent sideways.
+/// Uses the magnitude of the force, not only compression, because a feeler that is caught behind an edge is bent
+/// sideways.
 pub fn touching<'a>(
     finger: &'a FingerReadings<'_>,
     touch_force: f64,

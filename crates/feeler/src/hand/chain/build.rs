@@ -1,4 +1,4 @@
-//! Construction of a chain from its configuration.
+//! Builds a chain from its configuration.
 
 use super::check::{Drive, check, drive, require};
 use super::config::{ChainConfig, DhRow, FrameRow, RowType};
@@ -8,13 +8,14 @@ use super::{Chain, Joint, Segment};
 use crate::math::{rotation_x, rotation_y, rotation_z};
 use glam::{DMat3, DVec3};
 
-/// epsilon as a fraction of the reach. With two equal links, damping starts within 9 degrees of a straight finger.
+/// Default damping threshold epsilon as a fraction of the reach. With two equal links, damping starts within 9 degrees
+/// of a straight finger.
 const THRESHOLD_SHARE: f64 = 0.04;
 
-/// Minimum reach (m).
+/// Minimum reach of a valid chain (m).
 const MINIMUM_REACH: f64 = 1e-3;
 
-/// A rotation followed by a translation: `x -> rotation x + translation`.
+/// Rigid transform, a rotation followed by a translation: `x -> rotation x + translation`.
 #[derive(Clone, Copy)]
 struct Transform {
     translation: DVec3,
@@ -45,7 +46,7 @@ impl Transform {
     }
 }
 
-/// Segments so far, and the constant transform since the last motion.
+/// Segments built so far, and the constant transform since the last moving frame.
 struct Builder {
     /// Transform from `W` to the first moving frame.
     first: Option<Transform>,
@@ -59,7 +60,7 @@ impl Builder {
         self.pending = self.pending.then(transform);
     }
 
-    /// Appends a motion about or along the z axis of the current frame.
+    /// Appends a moving frame that rotates about or moves along the z axis of the current frame.
     fn moving(&mut self, prismatic: bool, drive: Drive) {
         self.close();
         self.segments.push(Segment {
@@ -115,7 +116,7 @@ impl Builder {
     }
 }
 
-/// A rotation that turns the z axis to the unit vector `axis`.
+/// Rotation that maps the z axis to the unit vector `axis`.
 fn rotation_to(axis: DVec3) -> DMat3 {
     let (x, y) = axis.any_orthonormal_pair();
     if x.cross(y).dot(axis) > 0.0 {
@@ -125,7 +126,7 @@ fn rotation_to(axis: DVec3) -> DMat3 {
     }
 }
 
-/// Checks `config` and precomputes the transforms.
+/// Checks `config` and builds the chain with precomputed transforms.
 pub(super) fn build(config: &ChainConfig) -> Result<Chain, ChainError> {
     check(config)?;
     let mut builder = Builder {
@@ -196,8 +197,8 @@ fn finish(config: &ChainConfig, builder: Builder) -> Result<Chain, ChainError> {
     Ok(chain)
 }
 
-/// Position units of a joint per scaled unit, for the rows that it drives: 1 for a joint that turns any, otherwise the
-/// displacement of the joint that moves its fastest row by the reach.
+/// Change of a joint's position that corresponds to one scaled unit: 1 rad if the joint rotates any of the `driven`
+/// frames, otherwise the displacement that moves the fastest of them by the reach.
 fn scale<'a>(driven: impl Iterator<Item = &'a Segment> + Clone, reach: f64) -> f64 {
     if driven.clone().any(|segment| !segment.prismatic) {
         return 1.0;
@@ -206,7 +207,7 @@ fn scale<'a>(driven: impl Iterator<Item = &'a Segment> + Clone, reach: f64) -> f
     reach / fastest.fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// Sum of the links' lengths and of the largest displacements (m).
+/// Upper bound of the distance from base to fingertip (m): sum of the links' lengths and of the largest displacements.
 fn reach(config: &ChainConfig, segments: &[Segment]) -> f64 {
     let length = |segment: &Segment| {
         let joint = &config.joints[segment.joint];

@@ -1,25 +1,25 @@
-//! Checks of a chain's configuration.
+//! Checks the configuration of a chain.
 
 use super::config::{ChainConfig, MimicConfig, RowType};
 use super::error::ChainError;
 use super::{MAX_FRAMES, MAX_JOINTS};
 
-/// Maximum absolute coordinate of a base (m).
+/// Maximum absolute value of a base coordinate (m).
 const BASE_RANGE: f64 = 100.0;
-/// Maximum absolute length in a row (m).
+/// Maximum absolute value of a length in a row (m).
 const LENGTH_RANGE: f64 = 10.0;
-/// Maximum absolute roll, pitch, yaw or offset (rad, or m for the offset of a prismatic row).
+/// Maximum absolute value of roll, pitch, yaw or offset (rad; m for the offset of a prismatic row).
 const ANGLE_RANGE: f64 = 10.0;
-/// Maximum absolute angle in a Denavit-Hartenberg row (degrees).
+/// Maximum absolute value of an angle in a Denavit-Hartenberg row (degrees).
 const ANGLE_RANGE_DEG: f64 = 360.0;
-/// Maximum absolute joint limit or multiplier.
+/// Maximum absolute value of a joint limit or multiplier.
 const JOINT_RANGE: f64 = 100.0;
-/// Accepted lengths of an axis.
+/// Valid lengths of an axis vector.
 const AXIS_RANGE: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
 /// Maximum number of rows, including fixed ones.
 const MAX_ROWS: usize = 32;
 
-/// Checks all values that need no other part of the configuration, except the references to joints.
+/// Checks all values that do not depend on other parts of the configuration, except the references to joints.
 pub(super) fn check(config: &ChainConfig) -> Result<(), ChainError> {
     check_counts(config)?;
     check_joints(config)?;
@@ -96,14 +96,17 @@ fn check_joints(config: &ChainConfig) -> Result<(), ChainError> {
     Ok(())
 }
 
-/// Motion of a row: index of its independent joint, multiplier and offset.
+/// Coupling of a moving frame to its independent joint: index of the joint, multiplier and offset.
 pub(super) struct Drive {
     pub(super) joint: usize,
     pub(super) multiplier: f64,
     pub(super) offset: f64,
 }
 
-/// Resolves the joint of the row `field`; `None` if the row is fixed.
+/// Determines how the row `field` is coupled to a joint; `None` if the row is fixed.
+///
+/// # Errors
+/// If the row has neither or both of `joint` and `mimic`, or refers to an unknown joint.
 pub(super) fn drive(
     config: &ChainConfig,
     field: &str,
@@ -156,7 +159,7 @@ fn find(config: &ChainConfig, field: &str, name: &str) -> Result<usize, ChainErr
     })
 }
 
-/// Requires `good`; otherwise returns the error for `value`.
+/// Returns `Ok` if `good`, otherwise an error for `value`.
 pub(super) fn require(
     field: &str,
     value: f64,

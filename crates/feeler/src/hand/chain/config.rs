@@ -35,10 +35,10 @@ pub struct ChainConfig {
     pub base_rpy: [f64; 3],
     /// Independent joints, one to seven.
     pub joints: Vec<JointConfig>,
-    /// Rows of a Denavit-Hartenberg table, at most 32, at most 16 of them moving.
+    /// Rows of a Denavit-Hartenberg table, at most 32, including at most 16 moving ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub dh: Vec<DhRow>,
-    /// Frames like the joints of a URDF file, at most 32, at most 16 of them moving.
+    /// Frames defined like the joints of a URDF file, at most 32, including at most 16 moving ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<FrameRow>,
     /// Origin of the fingertip frame `T`, the dome's centre, in the last frame (m). Each coordinate is within -10..10.
@@ -48,15 +48,15 @@ pub struct ChainConfig {
     /// axis.
     #[serde(default)]
     pub tip_rpy: [f64; 3],
-    /// Resolved rate control is damped if the smallest singular value is below this threshold epsilon (m/rad): 1e-6 to 1
+    /// Threshold epsilon (m/rad) of the smallest singular value, below which resolved rate control is damped: 1e-6 to 1
     /// times the chain's reach. Default: 0.04 times the reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping_threshold: Option<f64>,
 }
 
 impl ChainConfig {
-    /// `true` for each joint that is the `joint` of a prismatic row, so that its position is a displacement (m). An angle may
-    /// drive prismatic rows by `mimic`, for example a rack.
+    /// `true` for each joint that is the `joint` of a prismatic row, so that its position is a displacement (m). An
+    /// angular joint may drive prismatic rows by `mimic`, as in a rack and pinion.
     pub(in crate::hand) fn is_prismatic(&self) -> Vec<bool> {
         let dh = self.dh.iter().map(|row| (row.row_type, &row.joint));
         let frames = self.frames.iter().map(|row| (row.row_type, &row.joint));
@@ -71,12 +71,12 @@ impl ChainConfig {
     }
 }
 
-/// An independent joint. Its position is a displacement (m) if it is the `joint` of a prismatic row, otherwise an angle
+/// Independent joint. Its position is a displacement (m) if it is the `joint` of a prismatic row, otherwise an angle
 /// (rad).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointConfig {
-    /// Name that the rows refer to.
+    /// Name by which the rows refer to the joint.
     pub name: String,
     /// Lower limit (rad or m), within -100..100.
     pub lower: f64,
@@ -86,7 +86,7 @@ pub struct JointConfig {
     pub speed: f64,
 }
 
-/// Motion of a row.
+/// Type of motion of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RowType {
@@ -109,7 +109,7 @@ pub struct MimicConfig {
     /// units differ).
     #[serde(default = "one")]
     pub multiplier: f64,
-    /// Position of the row at joint position 0 (rad or m), within -10..10.
+    /// Position of the row if the position of the joint is 0 (rad or m), within -10..10.
     #[serde(default)]
     pub offset: f64,
 }
@@ -123,7 +123,7 @@ fn one() -> f64 {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DhRow {
-    /// Motion of the row.
+    /// Type of motion of the row.
     #[serde(default, rename = "type")]
     pub row_type: RowType,
     /// Name of the independent joint whose position is the row's position. A moving row has either `joint` or `mimic`.
@@ -132,28 +132,28 @@ pub struct DhRow {
     /// Coupling to an independent joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mimic: Option<MimicConfig>,
-    /// theta at position 0 (degrees), within -360..360.
+    /// Angle theta at row position 0 (degrees), within -360..360.
     #[serde(default)]
     pub theta_deg: f64,
-    /// d at position 0 (m), within -10..10.
+    /// Offset d at row position 0 (m), within -10..10.
     #[serde(default)]
     pub d: f64,
-    /// a (m), within -10..10.
+    /// Link length a (m), within -10..10.
     #[serde(default)]
     pub a: f64,
-    /// alpha (degrees), within -360..360.
+    /// Link twist alpha (degrees), within -360..360.
     #[serde(default)]
     pub alpha_deg: f64,
 }
 
-/// Frame like a joint of a URDF file: a constant transform from the previous frame, then a motion about or along `axis`.
+/// Frame defined like a joint of a URDF file: a constant transform from the previous frame, then a motion about or
+/// along `axis`.
 ///
-/// The fields are those of URDF, with the same units and defaults. A URDF joint without `mimic` has its name in
-/// `joint`.
+/// The fields have the names, units and defaults of URDF. For a URDF joint without `mimic`, `joint` is its name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrameRow {
-    /// Motion of the row.
+    /// Type of motion of the row.
     #[serde(default, rename = "type")]
     pub row_type: RowType,
     /// Name of the independent joint whose position is the row's position. A moving row has either `joint` or `mimic`.
@@ -168,7 +168,7 @@ pub struct FrameRow {
     /// Roll, pitch and yaw in the previous frame, the rotation `Rz(yaw) Ry(pitch) Rx(roll)` (rad), each within -10..10.
     #[serde(default)]
     pub rpy: [f64; 3],
-    /// Axis of the motion in this frame, of any length within 0.001..1000.
+    /// Axis of the motion in this frame; its length is arbitrary within 0.001..1000.
     #[serde(default = "x_axis")]
     pub axis: [f64; 3],
 }

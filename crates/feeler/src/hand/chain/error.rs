@@ -30,14 +30,14 @@ pub enum ChainError {
     /// A list has too few or too many entries.
     #[error("expected {expected} {field}, got {count}")]
     Count {
-        /// Description of the entries.
+        /// Name of the list.
         field: &'static str,
         /// Number of entries.
         count: usize,
         /// Description of the valid numbers.
         expected: &'static str,
     },
-    /// Neither or both of the tables `dh` and `frames` have rows.
+    /// The configuration has rows in both of the tables `dh` and `frames`, or in neither.
     #[error("expected rows in either dh or frames, got {dh} in dh and {frames} in frames")]
     Tables {
         /// Number of rows of `dh`.
@@ -60,13 +60,13 @@ pub enum ChainError {
         field: String,
         /// The rejected name.
         name: String,
-        /// Names of the joints.
+        /// Names of all joints.
         known: String,
     },
-    /// A moving row has neither or both of `joint` and `mimic`, or a fixed row has one.
+    /// A moving row has both `joint` and `mimic` or neither of them, or a fixed row has one of them.
     #[error("{field}: expected {expected}")]
     Driver {
-        /// Row of the configuration.
+        /// Name of the row.
         field: String,
         /// Description of a valid row.
         expected: &'static str,
@@ -79,7 +79,7 @@ pub enum ChainError {
     },
 }
 
-/// Error returned if no joint positions are found for a fingertip position.
+/// Error of the inverse kinematics of a chain.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ChainKinematicsError {
     /// An argument is NaN or infinite, or a joint is missing.
@@ -94,7 +94,7 @@ pub enum ChainKinematicsError {
         /// Number of joints.
         expected: usize,
     },
-    /// The target is too far for the links, regardless of the joint limits.
+    /// The target is beyond the reach of the links, regardless of the joint limits.
     #[error(
         "fingertip target {target} m is {distance:.6} m from the first joint, expected at most {maximum:.6} m"
     )]
@@ -103,10 +103,10 @@ pub enum ChainKinematicsError {
         target: DVec3,
         /// Distance from the origin of the first moving frame to the target (m).
         distance: f64,
-        /// Upper bound of the distances that the links can reach (m).
+        /// Upper bound of the reachable distance (m).
         maximum: f64,
     },
-    /// No iteration reached the target within the joint limits. The target may be unreachable.
+    /// The iteration did not reach the target within the joint limits. The target may be unreachable.
     #[error(
         "expected a fingertip within {POSITION_TOLERANCE:e} m of {target} m and joints within their limits, \
          ended {residual:e} m away"
@@ -114,7 +114,7 @@ pub enum ChainKinematicsError {
     NotConverged {
         /// Target position of the fingertip in `W` (m).
         target: DVec3,
-        /// Smallest distance from the target that an iteration reached (m).
+        /// Smallest distance from the target that was reached (m).
         residual: f64,
         /// Joint positions at that distance (rad or m), within the limits.
         joints: [f64; MAX_JOINTS],

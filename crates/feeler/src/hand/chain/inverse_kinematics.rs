@@ -4,8 +4,8 @@
 //! is the smallest joint motion of eq. (10), damped near singularities. Joints at a limit that would move outward are
 //! fixed, and the result is clamped to the limits. A step that does not approach the target is halved, and if that does
 //! not help, replaced by one along the gradient of the distance. If the iteration gets stuck, it restarts from the
-//! middle of the joints' ranges and from a fixed sequence of positions that fills the ranges evenly. Of the solutions
-//! found then, the nearest to the start is returned.
+//! middle of the joints' ranges and from a fixed sequence of positions that fills the ranges evenly. The solution found
+//! that is nearest to the start is then returned.
 
 use super::error::ChainKinematicsError;
 use super::kinematics::State;
@@ -15,22 +15,22 @@ use super::{Chain, MAX_JOINTS};
 use crate::hand::kinematics_error::POSITION_TOLERANCE;
 use glam::DVec3;
 
-/// Residual at which the iteration stops (m). The rest of the tolerance is left for rounding.
+/// Residual at which the iteration stops (m). The rest of the tolerance is reserved for rounding errors.
 const ITERATION_TOLERANCE: f64 = 0.5 * POSITION_TOLERANCE;
 
 /// Maximum change of a joint in one step (rad, or a fraction of the reach).
 const STEP_LIMIT: f64 = 0.5;
 
-/// Maximum number of steps from one start.
+/// Maximum number of steps per start.
 const STEPS: usize = 80;
 
-/// Maximum number of times that a step is halved if it does not reduce the distance to the target.
+/// Maximum number of halvings of a step that does not reduce the distance to the target.
 const HALVINGS: usize = 10;
 
 /// Number of restarts.
 const RESTARTS: usize = 33;
 
-/// Result of an iteration.
+/// State of the iteration.
 struct Iterate {
     joints: [f64; MAX_JOINTS],
     /// Distance of the fingertip from the target (m).
@@ -76,7 +76,7 @@ impl Chain {
         self.restart(target, &start, direct)
     }
 
-    /// Iterates from all other starts, and returns the solution that is nearest to `start`.
+    /// Iterates from all other start positions, and returns the solution nearest to `start`.
     fn restart(
         &self,
         target: DVec3,
@@ -105,7 +105,7 @@ impl Chain {
         Ok(best.joints)
     }
 
-    /// Iterates from `start`, which is within the limits.
+    /// Iterates from `start`, which must be within the limits.
     fn iterate(&self, target: DVec3, start: [f64; MAX_JOINTS]) -> Iterate {
         let mut joints = start;
         let mut state = State::at(self, &joints);
@@ -139,8 +139,8 @@ impl Chain {
         }
     }
 
-    /// Joint positions after the largest of `step`, a half of it, a quarter and so on that brings the fingertip nearer
-    /// to `target` than `distance`.
+    /// Tries `step` (limited to [`STEP_LIMIT`]), a half of it, a quarter and so on. Returns the first joint positions
+    /// with which the fingertip is nearer to `target` than `distance`; `None` if there are no such positions.
     fn nearer(
         &self,
         joints: &[f64; MAX_JOINTS],
@@ -170,7 +170,7 @@ impl Chain {
         None
     }
 
-    /// `joints` clamped to the limits.
+    /// Clamps `joints` to the joint limits.
     fn clamped(&self, joints: &[f64]) -> [f64; MAX_JOINTS] {
         let mut clamped = [0.0; MAX_JOINTS];
         for ((value, joint), &q) in clamped.iter_mut().zip(&self.joints).zip(joints) {

@@ -5,17 +5,17 @@ use crate::hand::joint_vector::JointVector;
 use crate::hand::sin_cos::sin_cos_of;
 use glam::{DMat3, DVec3};
 
-/// Displacement at which a prismatic frame saturates (m), so that no product of lengths can overflow.
+/// Displacement at which a prismatic frame saturates (m), to prevent overflow of products of lengths.
 const DISPLACEMENT_RANGE: f64 = 1e9;
 
 /// Intermediate results at one set of joint positions, shared by the pose and the Jacobian.
 pub(super) struct State {
     /// Axes of the moving frames in `W`.
     axes: [DVec3; MAX_FRAMES],
-    /// Origins of the moving frames in `W`, relative to that of the first (m). Without the base's position, the
-    /// Jacobian keeps its digits at any distance from the origin of `W`.
+    /// Origins of the moving frames in `W`, relative to that of the first (m). Because the base's position is excluded,
+    /// the Jacobian is accurate at any distance from the origin of `W`.
     origins: [DVec3; MAX_FRAMES],
-    /// Fingertip position in `W`, relative to the first moving frame at position 0 (m).
+    /// Fingertip position in `W`, relative to the origin of the first moving frame at position 0 (m).
     tip: DVec3,
     rotation: DMat3,
 }

@@ -13,8 +13,9 @@
 //! J_j = sum m_i z_i x (r - o_i)   (revolute)   + sum m_i z_i   (prismatic)
 //! ```
 //!
-//! Joint positions are slices. A missing entry counts as NaN, additional entries are ignored. Returned arrays have an
-//! entry per joint and are 0 beyond. [`Chain::pose`], [`Chain::jacobian`] and [`Chain::resolved_rate`] do not allocate.
+//! Joint positions are slices. A missing entry counts as NaN, additional entries are ignored. Returned arrays have one
+//! entry per joint, followed by zeros. [`Chain::pose`], [`Chain::jacobian`] and [`Chain::resolved_rate`] do not
+//! allocate.
 
 mod build;
 mod check;
@@ -39,7 +40,7 @@ use task_rank::TaskRanks;
 /// Maximum number of moving frames of a chain.
 pub const MAX_FRAMES: usize = 16;
 
-/// A checked [`ChainConfig`] with precomputed transforms.
+/// Kinematic chain of a finger: a checked [`ChainConfig`] with precomputed transforms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
     /// Origin of the finger base, in `W` (m).
@@ -55,7 +56,7 @@ pub struct Chain {
     ranks: TaskRanks,
 }
 
-/// A moving frame, whose z axis is the axis of the motion, and the transform to the next one.
+/// Moving frame with the motion about or along its z axis, and the transform to the next frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Segment {
     prismatic: bool,
@@ -74,27 +75,27 @@ struct Joint {
     lower: f64,
     upper: f64,
     speed: f64,
-    /// Position units per scaled unit.
+    /// Change of the position that corresponds to one scaled unit.
     scale: f64,
     /// `true` if the position is a displacement (m), `false` for an angle (rad).
     prismatic: bool,
 }
 
-/// A moving frame of a chain, for drawing.
+/// Moving frame of a chain, for drawing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MovingFrame {
-    /// Origin in the previous moving frame, or in `W` for the first (m), at the position 0.
+    /// Origin in the previous moving frame, or in `W` for the first frame (m), at position 0.
     pub translation: DVec3,
-    /// Rotation from this frame to the previous one, or to `W`, at the position 0. The frame turns about or moves along
+    /// Rotation from this frame to the previous one, or to `W`, at position 0. The frame rotates about or moves along
     /// its z axis.
     pub rotation: DMat3,
-    /// `true` if it moves along z (m), `false` if it turns about z (rad).
+    /// `true` if the frame moves along z (m), `false` if it rotates about z (rad).
     pub prismatic: bool,
-    /// Index of the independent joint.
+    /// Index of the independent joint that drives the frame.
     pub joint: usize,
-    /// Change of its position per change of the joint's position (m/rad or rad/m if their units differ).
+    /// Change of the frame's position per change of the joint's position (m/rad or rad/m if their units differ).
     pub multiplier: f64,
-    /// Its position at the joint position 0 (rad or m).
+    /// Position of the frame at joint position 0 (rad or m).
     pub offset: f64,
 }
 
@@ -109,11 +110,11 @@ impl Joint {
 }
 
 impl Chain {
-    /// Checks `config` and precomputes the transforms.
+    /// Builds a chain from `config`.
     ///
     /// # Errors
-    /// If a value is not finite or outside of the range that its field documents, or the rows and joints do not refer
-    /// to each other as documented.
+    /// If a value is not finite or outside the range documented for its field, or if rows and joints do not refer to
+    /// each other as documented.
     pub fn new(config: &ChainConfig) -> Result<Self, ChainError> {
         build::build(config)
     }
@@ -180,7 +181,7 @@ impl Chain {
         self.segments.len()
     }
 
-    /// The moving frames, from the base to the fingertip.
+    /// Moving frames, from the base to the fingertip.
     pub fn frames(&self) -> impl Iterator<Item = MovingFrame> + '_ {
         let first = (self.origin, self.rotation);
         let poses = self.segments.iter().map(|s| (s.translation, s.rotation));

@@ -1,5 +1,5 @@
-//! Resolved motion rate control of a chain: eq. (1) for any number of joints, damped near singularities, with
-//! redundant joints turned towards the middle of their ranges.
+//! Resolved motion rate control of a chain: eq. (1) for any number of joints, damped near singularities, with redundant
+//! joints moved towards the middle of their ranges.
 //!
 //! Joints that only move frames along their axes are scaled, so that all columns of `J` are in m/rad: one unit moves the
 //! fastest frame by the chain's reach. r is the number of directions in which the joints can move the fingertip, at most
@@ -16,11 +16,11 @@
 //! Sys. Meas. Control 108, 1986). It gives the nearest possible fingertip velocity if the joints cannot move in all
 //! directions, for example if there are fewer than three.
 //!
-//! The second term is the projected negative gradient of `sum d_j^2` (A. Liegeois, "Automatic supervisory control of the
-//! configuration and behavior of multibody mechanisms", IEEE Trans. Syst. Man Cybern. 7, 1977). h_j is half of the range
-//! of joint j, h the smallest one, and N projects on the joint velocities that do not move the fingertip. As z is
+//! The second term is the projected negative gradient of `sum d_j^2` (A. Liegeois, "Automatic supervisory control of
+//! the configuration and behavior of multibody mechanisms", IEEE Trans. Syst. Man Cybern. 7, 1977). h_j is half of the
+//! range of joint j, h the smallest one, and N projects on the joint velocities that do not move the fingertip. As z is
 //! proportional to the speed |v|, a finger at rest stays at rest: self-motion would roll the fingertip on the object.
-//! The factor fades the self-motion out at singularities, where N is discontinuous.
+//! The factor reduces the self-motion to zero at singularities, where N is discontinuous.
 //!
 //! A direction with singular value `s >= sigma` is amplified by at most `1 / epsilon`, and N does not lengthen z. So
 //! `|q_dot| <= |v| (1 / epsilon + k sqrt(n) / reach)` everywhere, in scaled units, also if joints are stopped at
@@ -35,26 +35,26 @@ use super::solve::{Bounds, Task};
 use super::{Chain, MAX_JOINTS};
 use glam::DVec3;
 
-/// k: speed of the self-motion relative to that of the task.
+/// Gain k: speed of the self-motion (joint motion that does not move the fingertip) relative to that of the task.
 const SELF_MOTION: f64 = 0.5;
 
 /// Distance from a limit at which a joint counts as at the limit (rad or m).
 const LIMIT_TOLERANCE: f64 = 1e-9;
 
-/// Joint velocity for a fingertip velocity, with the damping that was applied.
+/// Joint velocities for a fingertip velocity, with the damping that was applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChainRate {
     /// Velocities of the joints (rad/s or m/s), not limited to the joints' speeds.
     pub joint_velocity: [f64; MAX_JOINTS],
-    /// lambda (m/rad): 0 away from singularities, [`Chain::damping_threshold`] at a singularity.
+    /// Damping lambda (m/rad): 0 away from singularities, [`Chain::damping_threshold`] at a singularity.
     pub damping: f64,
     /// `true` for each joint whose velocity is at its bound.
     pub bounded: [bool; MAX_JOINTS],
 }
 
 impl Chain {
-    /// Threshold epsilon (m/rad): damping starts when the smallest singular value that is not 0 in all postures falls below
-    /// it, in scaled units.
+    /// Threshold epsilon (m/rad): damping starts when the smallest singular value falls below it, in scaled units.
+    /// Singular values that are 0 in all postures do not count.
     pub fn damping_threshold(&self) -> f64 {
         self.damping_threshold
     }
@@ -69,8 +69,8 @@ impl Chain {
     }
 
     /// Like [`resolved_rate`](Self::resolved_rate), but within `bounds`, the lowest and highest velocity of each joint
-    /// (rad/s or m/s), regardless of the limits. A lowest velocity above 0, a highest one below 0 and NaN
-    /// count as 0.
+    /// (rad/s or m/s), regardless of the limits. A lowest velocity above 0, a highest velocity below 0 and NaN count as
+    /// 0.
     ///
     /// With bounds that decrease towards the limits, the other joints take over before a joint has to stop.
     pub fn resolved_rate_within(
@@ -120,7 +120,7 @@ impl Chain {
         rate
     }
 
-    /// Bounds that prevent joints at a limit from moving outward.
+    /// Velocity bounds that prevent joints at a limit from moving outward.
     #[inline]
     pub(super) fn outward_stops(&self, joints: &[f64]) -> Bounds {
         let mut bounds = [[0.0; 2]; MAX_JOINTS];
@@ -135,13 +135,13 @@ impl Chain {
         bounds
     }
 
-    /// `true` if `joints` has a finite entry per joint.
+    /// `true` if `joints` has a finite value for each joint.
     pub(super) fn is_finite(&self, joints: &[f64]) -> bool {
         let own = joints.get(..self.joint_count());
         own.is_some_and(|own| own.iter().all(|q| q.is_finite()))
     }
 
-    /// Desired self-motion z while the fingertip moves at `speed` (m/s), in scaled units.
+    /// Desired self-motion z, if the fingertip moves at `speed` (m/s), in scaled units.
     fn pull(&self, joints: &[f64], speed: f64) -> [f64; MAX_JOINTS] {
         let mut pull = [0.0; MAX_JOINTS];
         if self.joint_count() == 1 {
@@ -162,7 +162,7 @@ impl Chain {
     }
 }
 
-/// Finite bounds that include 0. NaN counts as 0.
+/// Extends bounds to include 0 and be finite. NaN counts as 0.
 fn around_zero(bounds: [f64; 2]) -> [f64; 2] {
     let [lowest, highest] = bounds.map(|bound| if bound.is_nan() { 0.0 } else { bound });
     [lowest.clamp(f64::MIN, 0.0), highest.clamp(0.0, f64::MAX)]

@@ -7,34 +7,35 @@ use super::task_rank::gram;
 use super::{Chain, MAX_JOINTS};
 use glam::{DMat3, DVec3};
 
-/// Lowest and highest velocity of each joint.
+/// Lowest and highest velocity of each joint, in scaled units.
 pub(super) type Bounds = [[f64; 2]; MAX_JOINTS];
 
-/// A linear system to solve for joint velocities, in scaled units.
+/// Linear system to be solved for joint velocities, in scaled units.
 pub(super) struct Task<'a> {
-    /// Scaled Jacobian.
+    /// Columns of the scaled Jacobian.
     pub(super) columns: &'a [DVec3; MAX_JOINTS],
-    /// Fingertip velocity or displacement.
+    /// Desired fingertip velocity or displacement.
     pub(super) goal: DVec3,
-    /// Desired self-motion z; its projection N z is added.
+    /// Desired self-motion z. Its projection N z, which does not move the fingertip, is added.
     pub(super) pull: [f64; MAX_JOINTS],
     /// Lowest (at most 0) and highest (at least 0) velocity of each joint.
     pub(super) bounds: Bounds,
-    /// Upper bound of lambda (m/rad).
+    /// Upper bound of the damping lambda (m/rad).
     pub(super) most_damping: f64,
 }
 
 /// Solution of a [`Task`].
 pub(super) struct Solution {
     pub(super) velocity: [f64; MAX_JOINTS],
-    /// lambda (m/rad).
+    /// Damping lambda (m/rad).
     pub(super) damping: f64,
-    /// Subset of the joints that are not at their bound, as in [`TaskRanks`](super::task_rank::TaskRanks).
+    /// Bit mask of the joints that are not at their bound, as in [`TaskRanks`](super::task_rank::TaskRanks).
     pub(super) free: usize,
 }
 
 impl Chain {
-    /// Solves `task`. While a joint exceeds its bound, fixes the worst one at its bound and solves for the others.
+    /// Solves `task`. While a joint exceeds its bound, fixes the joint that exceeds it most and solves again for the
+    /// others.
     #[inline]
     pub(super) fn solve_within_bounds(&self, task: &Task) -> Solution {
         let mut free = (1 << self.joint_count()) - 1;
@@ -54,7 +55,7 @@ impl Chain {
         }
     }
 
-    /// Solves `task` for the remaining `goal` with the joints in `free`.
+    /// Solves `task` for the remaining `goal` with the joints in the bit mask `free`.
     #[inline]
     fn solve(&self, task: &Task, goal: DVec3, free: usize) -> Solution {
         let rank = self.ranks.rank(free);
@@ -65,8 +66,8 @@ impl Chain {
         self.near_singularity(task, goal, &gram, free)
     }
 
-    /// `true` only if the smallest singular value exceeds epsilon: the product of the other two eigenvalues of `gram` is
-    /// at most the square of half of their sum.
+    /// `true` only if the smallest singular value certainly exceeds epsilon. Uses that the product of the other two
+    /// eigenvalues of `gram` is at most the square of half their sum.
     #[inline]
     fn is_regular(&self, gram: &DMat3) -> bool {
         let trace = gram.x_axis.x + gram.y_axis.y + gram.z_axis.z;
@@ -74,7 +75,7 @@ impl Chain {
         gram.determinant() >= 0.25 * trace * trace * epsilon * epsilon
     }
 
-    /// Solution from the singular vectors, for any rank.
+    /// Computes the solution from the singular vectors, for any rank.
     fn near_singularity(&self, task: &Task, goal: DVec3, gram: &DMat3, free: usize) -> Solution {
         let rank = self.ranks.rank(free);
         let spectrum = Spectrum::of(gram);
@@ -101,7 +102,7 @@ impl Chain {
     }
 }
 
-/// Joint in `free` whose velocity exceeds its bound most, with the bound.
+/// Index of the joint in `free` whose velocity exceeds its bound most, with that bound; `None` if none does.
 #[inline]
 fn worst(velocity: &[f64; MAX_JOINTS], bounds: &Bounds, free: usize) -> Option<(usize, f64)> {
     let (mut found, mut most) = (None, 0.0);
@@ -119,7 +120,7 @@ fn worst(velocity: &[f64; MAX_JOINTS], bounds: &Bounds, free: usize) -> Option<(
     found
 }
 
-/// Undamped solution away from singularities, with three or more free joints.
+/// Computes the undamped solution away from singularities, with three or more free joints.
 #[inline]
 fn regular(task: &Task, mut goal: DVec3, gram: &DMat3, free: usize) -> Solution {
     let mut velocity = [0.0; MAX_JOINTS];
@@ -148,7 +149,8 @@ fn regular(task: &Task, mut goal: DVec3, gram: &DMat3, free: usize) -> Solution 
     }
 }
 
-/// `N z`: the self-motion without its components along the right singular vectors `J^T v / |J^T v|`.
+/// Computes the projection `N z`: the self-motion without its components along the right singular vectors `J^T v / |J^T
+/// v|`.
 fn null_motion(task: &Task, spectrum: &Spectrum, free: usize, rank: usize) -> [f64; MAX_JOINTS] {
     let mut motion = [0.0; MAX_JOINTS];
     for joint in joints_of(free) {
@@ -174,7 +176,7 @@ fn null_motion(task: &Task, spectrum: &Spectrum, free: usize, rank: usize) -> [f
     motion
 }
 
-/// Adds `J^T y` for the joints in `free`.
+/// Adds `J^T y` to `velocity` for the joints in `free`.
 #[inline]
 fn add_transposed(
     velocity: &mut [f64; MAX_JOINTS],
@@ -187,7 +189,7 @@ fn add_transposed(
     }
 }
 
-/// Indices of the joints in `free`.
+/// Indices of the joints in the bit mask `free`.
 #[inline]
 fn joints_of(free: usize) -> impl Iterator<Item = usize> {
     (0..MAX_JOINTS).filter(move |joint| free & (1 << joint) != 0)

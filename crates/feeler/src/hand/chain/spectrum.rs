@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// Maximum number of sweeps. Jacobi's method converges quadratically: five suffice for 3 x 3 matrices.
+/// Maximum number of sweeps of Jacobi's method, which converges quadratically: five suffice for 3 x 3 matrices.
 const SWEEPS: usize = 10;
 
 /// Eigenvalues and eigenvectors of a symmetric, positive semi-definite matrix.

@@ -4,13 +4,14 @@ use super::spectrum::Spectrum;
 use super::{Chain, MAX_JOINTS};
 use glam::{DMat3, DVec3};
 
-/// Singular values below this fraction of epsilon count as 0.
+/// Fraction of the damping threshold epsilon below which a singular value counts as 0.
 const NEGLIGIBLE: f64 = 0.1;
 
-/// Number of joint positions at which the rank is determined.
+/// Number of sampled joint positions from which the rank is determined.
 const SAMPLES: usize = 16;
 
-/// phi of the sequence of [`Chain::sample`] for one to seven dimensions: the root above 1 of `x^(n + 1) = x + 1`.
+/// Constant phi of the sequence of [`Chain::sample`], for one to seven dimensions: the root above 1 of `x^(n + 1) = x +
+/// 1`.
 const PHI: [f64; MAX_JOINTS] = [
     1.618_033_988_749_895,
     1.324_717_957_244_746,
@@ -35,7 +36,8 @@ impl Default for TaskRanks {
 }
 
 impl TaskRanks {
-    /// Determines the ranks at joint positions that are spread over the joints' ranges.
+    /// Determines the ranks of all subsets from the Jacobian at joint positions that are spread over the joints'
+    /// ranges.
     pub(super) fn of(chain: &Chain) -> Self {
         let mut ranks = Self::default();
         let least = NEGLIGIBLE * chain.damping_threshold;
@@ -55,13 +57,13 @@ impl TaskRanks {
         ranks
     }
 
-    /// Maximum rank of the joints of `subset`.
+    /// Maximum rank of the Jacobian columns of the joints in `subset`.
     pub(super) fn rank(&self, subset: usize) -> usize {
         self.0.get(subset).map_or(0, |&rank| rank.into())
     }
 }
 
-/// `J J^T` of the columns in `subset`.
+/// Gram matrix `J J^T` of the columns in `subset`.
 #[inline]
 pub(super) fn gram(columns: &[DVec3; MAX_JOINTS], subset: usize) -> DMat3 {
     let mut sum = DMat3::ZERO;
@@ -89,13 +91,13 @@ impl Chain {
         values
     }
 
-    /// Jacobian for joint positions in scaled units, whose columns are all in m/rad.
+    /// Jacobian with respect to joint positions in scaled units, whose columns are all in m/rad.
     #[inline]
     pub(super) fn scaled_jacobian(&self, joints: &[f64]) -> [DVec3; MAX_JOINTS] {
         self.scaled(self.jacobian(joints))
     }
 
-    /// Multiplies the `columns` of displacements by the reach.
+    /// Converts Jacobian `columns` to scaled units: multiplies each by the scale of its joint.
     #[inline]
     pub(super) fn scaled(&self, mut columns: [DVec3; MAX_JOINTS]) -> [DVec3; MAX_JOINTS] {
         for (column, joint) in columns.iter_mut().zip(&self.joints) {

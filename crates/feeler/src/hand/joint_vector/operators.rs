@@ -5,7 +5,7 @@ use std::ops::{
     Add, AddAssign, Div, DivAssign, Index, IndexMut, Mul, MulAssign, Neg, Sub, SubAssign,
 };
 
-/// The number of a joint, or 0 if it is missing. Panics from [`MAX_JOINTS`](super::MAX_JOINTS) on.
+/// Value of a joint, or 0 if it is missing. Panics if the index is [`MAX_JOINTS`](super::MAX_JOINTS) or more.
 impl Index<usize> for JointVector {
     type Output = f64;
 
@@ -15,7 +15,7 @@ impl Index<usize> for JointVector {
     }
 }
 
-/// The number of a joint. Panics if it is missing.
+/// Value of a joint. Panics if it is missing.
 impl IndexMut<usize> for JointVector {
     #[inline(always)]
     fn index_mut(&mut self, joint: usize) -> &mut f64 {
@@ -42,7 +42,7 @@ impl Mul<JointVector> for f64 {
     }
 }
 
-/// Implements operators between vectors, joint by joint.
+/// Implements element-wise operators between two vectors.
 macro_rules! by_joint {
     ($($operator:ident $method:ident $assign:ident $assign_method:ident $op:tt;)*) => {$(
         impl $operator for JointVector {
@@ -63,7 +63,7 @@ macro_rules! by_joint {
     )*};
 }
 
-/// Implements operators with the same number for all joints.
+/// Implements operators between a vector and a scalar.
 macro_rules! by_number {
     ($($operator:ident $method:ident $assign:ident $assign_method:ident $op:tt;)*) => {$(
         impl $operator<f64> for JointVector {

@@ -1,9 +1,9 @@
 //! Inverse kinematics of a finger: joint angles for a fingertip position, eq. (10).
 //!
 //! The iteration of eq. (10) starts from the given joint angles, so that a finger keeps its posture for a nearby
-//! target. If the result violates a joint limit or the iteration gets stuck, it restarts from the other postures
-//! (left or right of the axis of joint 1, elbow up or down; at most four), which follow from the cosine law. So every
-//! solution within the limits is found.
+//! target. If the result violates a joint limit or the iteration gets stuck, it restarts from the other postures (left
+//! or right of the axis of joint 1, elbow up or down; at most four), which are computed with the cosine law. So a
+//! solution is found if there is any within the limits.
 
 use glam::DVec3;
 
@@ -13,16 +13,16 @@ use super::postures::{JOINT_TOLERANCE, limit_excess, postures, turn_near};
 use super::resolved_rate::{damping, solve_damped};
 use crate::hand::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 
-/// Residual at which the iteration stops (m). The rest of the tolerance is left for clamping to the joint limits.
+/// Residual at which the iteration stops (m). The rest of the tolerance is reserved for clamping to the joint limits.
 const ITERATION_TOLERANCE: f64 = 0.5 * POSITION_TOLERANCE;
 
 /// Maximum change of a joint angle in one step (rad).
 const STEP_LIMIT: f64 = 0.5;
 
-/// Maximum number of steps from one start. Within one posture 15 suffice; see the test below.
+/// Maximum number of steps per start. Within one posture, 15 suffice; see the test below.
 const STEPS: usize = 40;
 
-/// Maximum number of times that a step is halved if it does not reduce the distance to the target.
+/// Maximum number of halvings of a step that does not reduce the distance to the target.
 const HALVINGS: usize = 10;
 
 impl ThreeJoints {
@@ -80,7 +80,7 @@ fn restart(finger: &ThreeJoints, target: DVec3, start: DVec3) -> Result<DVec3, K
     Ok(theta)
 }
 
-/// Result of the iteration of eq. (10).
+/// State of the iteration of eq. (10).
 struct Iterate {
     theta: DVec3,
     /// Distance of the fingertip from the target (m).

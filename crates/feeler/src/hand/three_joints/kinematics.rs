@@ -17,7 +17,7 @@ pub(super) struct Posture {
     height: f64,
     sin_theta3: f64,
     cos_theta3: f64,
-    /// R of eq. (3).
+    /// Rotation R of eq. (3), from `T` to `W`.
     pub(super) rotation: DMat3,
 }
 

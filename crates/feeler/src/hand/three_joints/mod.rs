@@ -1,4 +1,4 @@
-//! Kinematics of a finger with the three joints of the paper, in closed form.
+//! Closed-form kinematics of a finger with the three joints of the paper.
 
 mod inverse_kinematics;
 mod kinematics;
@@ -10,7 +10,7 @@ use crate::math::{rotation_x, rotation_y};
 use glam::{DMat3, DVec3};
 use kinematics::Posture;
 
-/// A finger with the paper's three joints, with the base rotation precomputed.
+/// Kinematics of a finger with the paper's three joints, with the base rotation precomputed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ThreeJoints {
     base_position: DVec3,
@@ -23,7 +23,7 @@ pub struct ThreeJoints {
 }
 
 impl ThreeJoints {
-    /// Precomputes the base rotation of a checked `config`.
+    /// Creates the kinematics from a checked `config`, and precomputes the base rotation.
     pub(super) fn new(config: &FingerConfig) -> Self {
         let (phi1, phi2) = (config.phi1_deg.to_radians(), config.phi2_deg.to_radians());
         Self {
@@ -69,8 +69,8 @@ impl ThreeJoints {
         Posture::at(self, theta).jacobian(self)
     }
 
-    /// Origins of the base, of joints 2 and 3 and of the fingertip in `W` (m), at the joint angle `theta1` (rad) and the
-    /// fingertip pose `tip`.
+    /// Origins of the base, of joints 2 and 3 and of the fingertip in `W` (m), at the angle `theta1` of joint 1 (rad)
+    /// and the fingertip pose `tip`.
     pub(super) fn skeleton(&self, theta1: f64, tip: (DVec3, DMat3)) -> [DVec3; 4] {
         let [l2, _, l4] = self.links;
         let (sin, cos) = libm::sincos(theta1);

@@ -1,22 +1,22 @@
 //! Closed-form postures of a finger, and wrapping of angles into the joint limits.
 //!
-//! The iteration of eq. (10) finds a single posture. The cosine law gives all postures, so that none within the
-//! limits is missed.
+//! The iteration of eq. (10) finds a single posture. The cosine law gives all postures, including any within the
+//! limits.
 
 use super::ThreeJoints;
 use crate::hand::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Maximum distance of a target outside of the reachable range (m).
+/// Maximum distance of a target from the reachable range for it to count as reachable (m).
 const REACH_TOLERANCE: f64 = 0.25 * POSITION_TOLERANCE;
 
-/// Maximum violation of a joint limit that is attributed to rounding (rad). Such an angle is clamped.
+/// Maximum violation of a joint limit that counts as rounding error (rad). The angle is then clamped.
 pub(super) const JOINT_TOLERANCE: f64 = 1e-11;
 
-/// Returns the postures, at most four, that bring the fingertip to `target`, by the cosine law (rad).
+/// Computes the postures, at most four, that bring the fingertip to `target`, with the cosine law (rad).
 ///
-/// An angle that does not matter (for a target on the axis of joint 1 or 2) is taken from `start`.
+/// An angle that has no effect (for a target on the axis of joint 1 or 2) is taken from `start`.
 pub(super) fn postures(
     finger: &ThreeJoints,
     target: DVec3,
@@ -59,8 +59,8 @@ pub(super) fn postures(
     Ok(all)
 }
 
-/// Adds whole turns to each angle of `theta`, so that it is within its joint limits if possible, otherwise as close
-/// to `start` as possible.
+/// Adds full turns to each angle of `theta`, so that it is within its joint limits if possible, otherwise as close to
+/// `start` as possible.
 pub(super) fn turn_near(finger: &ThreeJoints, theta: DVec3, start: DVec3) -> DVec3 {
     let (lower, upper) = (finger.lower, finger.upper);
     let near = theta + ((start.clamp(lower, upper) - theta) / TAU).round() * TAU;
@@ -74,7 +74,7 @@ pub(super) fn turn_near(finger: &ThreeJoints, theta: DVec3, start: DVec3) -> DVe
     }))
 }
 
-/// Maximum violation of the joint limits by `theta` (rad), negative if all angles are within their limits.
+/// Maximum violation of the joint limits by `theta` (rad); negative if all angles are within their limits.
 pub(super) fn limit_excess(finger: &ThreeJoints, theta: DVec3) -> f64 {
     (finger.lower - theta)
         .max(theta - finger.upper)

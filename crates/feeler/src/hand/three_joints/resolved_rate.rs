@@ -15,8 +15,8 @@ use glam::{DMat3, DVec3};
 
 use super::ThreeJoints;
 
-/// epsilon as a fraction of the shorter of l3 and l4. With equal links, damping starts within about 13 degrees of a
-/// straight finger, or if the tip is within a tenth of a link of the axis of joint 1.
+/// Damping threshold epsilon as a fraction of the shorter of l3 and l4. With equal links, damping starts within about
+/// 13 degrees of a straight finger, or if the tip is within a tenth of a link length of the axis of joint 1.
 const THRESHOLD_SHARE: f64 = 0.1;
 
 impl ThreeJoints {
@@ -53,7 +53,7 @@ pub(super) fn damping(finger: &ThreeJoints, jacobian: &DMat3) -> f64 {
     (threshold * threshold - sigma * sigma).max(0.0).sqrt()
 }
 
-/// Damped least-squares solution x of `jacobian x = b`; `jacobian^-1 b` if `damping` is 0.
+/// Damped least-squares solution x of `jacobian x = b`; the exact solution if `damping` is 0.
 pub(super) fn solve_damped(jacobian: &DMat3, b: DVec3, damping: f64) -> DVec3 {
     if damping == 0.0 {
         return jacobian.inverse() * b;
@@ -66,8 +66,8 @@ pub(super) fn solve_damped(jacobian: &DMat3, b: DVec3, damping: f64) -> DVec3 {
 /// Smallest singular value of a finger's Jacobian (m/rad).
 ///
 /// Closed form: the first column is orthogonal to the others, so its length is one singular value. The other two are
-/// the singular values of the remaining 3 x 2 matrix. Their product is the area that its columns span, which unlike
-/// the difference of the squares loses no digits as it approaches 0.
+/// the singular values of the remaining 3 x 2 matrix. Their product is the area that its columns span, which, unlike
+/// the difference of their squares, is accurate near 0.
 fn smallest_singular_value(jacobian: &DMat3) -> f64 {
     let (u, w) = (jacobian.y_axis, jacobian.z_axis);
     let (uu, ww, uw) = (u.length_squared(), w.length_squared(), u.dot(w));

@@ -1,4 +1,4 @@
-//! Fallback for systems without real-time support in feeler.
+//! Fallback for operating systems on which real-time requests are not supported.
 
 use super::Refusal;
 

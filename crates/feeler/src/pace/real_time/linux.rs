@@ -7,7 +7,7 @@ use rustix::thread::{CapabilitySet, capabilities, set_current_timer_slack};
 use std::io;
 use std::num::NonZeroU64;
 
-/// Requires a `priority` from 1 to 99.
+/// Implements [`super::raise_priority`]. `priority` must be from 1 to 99.
 pub fn raise_priority(priority: u8) -> Result<(), Refusal> {
     if !(1..=99).contains(&priority) {
         return Err(Refusal::PriorityRange { priority });

@@ -17,18 +17,19 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Numbers of terms of `F_z` that form complete models: without displacement; with its squares, which tilting
-/// requires; with all terms of second order; with terms of third and higher order.
+/// Numbers of terms of `F_z` that form complete models: growth only; with squares of the displacement, needed because
+/// the element tilts; with all terms of second order; with terms of third and fourth order.
 pub const NORMAL_ORDERS: [usize; 4] = [2, 7, 12, 20];
 
-/// Numbers of polynomial terms of `F_x` and `F_y` that form complete models: linear in the displacement along the axis; with
-/// its square and the growth of the integrated gray value; with the other displacement; with squares of displacements.
+/// Numbers of terms of `F_x` and `F_y` that form complete models: linear in the displacement along the force; with the
+/// cube of that displacement and more terms of the growth; with the displacement across the force; with squares of
+/// displacements.
 pub const SHEAR_ORDERS: [usize; 4] = [2, 5, 10, 17];
 
 const NORMAL_TERMS: usize = NORMAL_ORDERS[3];
 const SHEAR_TERMS: usize = SHEAR_ORDERS[3];
 
-/// Terms of `F_z` in growth `g` and displacements `x`, `y`.
+/// Polynomial terms of `F_z` in growth `g` and displacements `x`, `y`.
 #[rustfmt::skip]
 fn normal_terms([g, x, y]: [f64; 3]) -> [f64; NORMAL_TERMS] {
     let (gg, xx, yy, xy) = (g * g, x * x, y * y, x * y);
@@ -40,7 +41,7 @@ fn normal_terms([g, x, y]: [f64; 3]) -> [f64; NORMAL_TERMS] {
     ]
 }
 
-/// Terms of a shear force in growth `g`, the displacement `u` along the force and `v` across it.
+/// Polynomial terms of a shear force in growth `g`, displacement `u` along the force and displacement `v` across it.
 #[rustfmt::skip]
 fn shear_terms([g, u, v]: [f64; 3]) -> [f64; SHEAR_TERMS] {
     let (gg, uu, vv, uv) = (g * g, u * u, v * v, u * v);
@@ -58,12 +59,12 @@ fn polynomial(coefficients: &[f64], terms: &[f64]) -> f64 {
 
 /// Forces on one element as functions of all its moments.
 ///
-/// RelativeMoments beyond the range of the loads are clamped to it. The force that depends most on an input (growth: `F_z`, x:
-/// `F_x`, y: `F_y`) is then extrapolated with its mean slope over that range.
+/// Inputs outside the range of the calibration's loads are clamped to it. The force that depends most on an input
+/// (growth: `F_z`, x: `F_x`, y: `F_y`) is then extrapolated with its mean slope over that range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledMap {
-    /// Minimum and maximum growth among the loads, including 0.
+    /// Minimum and maximum gray-value growth among the loads, including 0.
     pub growth_range: [f64; 2],
     /// Minimum and maximum displacement along x among the loads, including 0.
     pub x_range: [f64; 2],
@@ -108,7 +109,8 @@ impl CoupledMap {
         force
     }
 
-    /// Minimum and maximum growth, x and y among the loads.
+    /// Minimum and maximum of each input among the loads: gray-value growth, displacement along x, displacement along
+    /// y.
     pub fn ranges(&self) -> [[f64; 2]; 3] {
         [self.growth_range, self.x_range, self.y_range]
     }
@@ -125,12 +127,12 @@ impl CoupledMap {
         polynomial(&self.normal, &normal_terms(inputs))
     }
 
-    /// Numbers of terms of the map.
+    /// Numbers of polynomial terms of the three forces.
     pub(in crate::sensor) fn orders(&self) -> Orders {
         [&self.shear_x, &self.shear_y, &self.normal].map(Vec::len)
     }
 
-    /// Fits polynomials with the numbers of terms in `orders`.
+    /// Fits polynomials with the numbers of terms in `orders` to the loads.
     pub(in crate::sensor) fn fit(
         inputs: &[RelativeMoments],
         forces: &[DVec3],
@@ -201,20 +203,20 @@ impl CoupledMap {
     }
 }
 
-/// Inputs and forces of the polynomials.
+/// Scaled inputs and measured forces for fitting the polynomials.
 struct Loads {
-    /// Growth and displacements along x and y, scaled.
+    /// Growth and displacements along x and y, scaled to at most 1.
     scaled: Vec<[f64; 3]>,
-    /// Growth and displacements along y and x, scaled.
+    /// Like `scaled`, but with the displacement along y before that along x.
     swapped: Vec<[f64; 3]>,
-    /// Components of the forces, N.
+    /// Measured components of the forces, N.
     x: Vec<f64>,
     y: Vec<f64>,
     z: Vec<f64>,
 }
 
 impl Loads {
-    /// Divides each of the `inputs` by its scale.
+    /// Builds the inputs for the fit: each input is divided by its scale.
     fn new(inputs: &[RelativeMoments], forces: &[DVec3], [g, x, y]: [f64; 3]) -> Self {
         let scaled: Vec<[f64; 3]> = (inputs.iter())
             .map(|i| [i.growth / g, i.displacement.x / x, i.displacement.y / y])
@@ -229,12 +231,12 @@ impl Loads {
     }
 }
 
-/// Largest magnitude in a range that contains 0.
+/// Largest absolute value in a range that contains 0.
 fn scale([low, high]: [f64; 2]) -> f64 {
     high.max(-low)
 }
 
-/// Mean slope over `range` of a force that is a function of the scaled input.
+/// Mean slope of a force over `range`, given the force as a function of the input divided by its scale.
 fn mean_slope(range: [f64; 2], force: impl Fn(f64) -> f64) -> f64 {
     let [low, high] = range;
     let scale = scale(range);

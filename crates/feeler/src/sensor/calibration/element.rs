@@ -42,7 +42,8 @@ impl ForceMap {
         }
     }
 
-    /// Minimum and maximum growth, displacement along x and displacement along y among the loads.
+    /// Minimum and maximum of each input among the loads: gray-value growth, displacement along x, displacement along
+    /// y.
     pub fn ranges(&self) -> [[f64; 2]; 3] {
         match self {
             Self::Separable(map) => map.ranges(),
@@ -63,7 +64,7 @@ impl ForceMap {
             .all(within)
     }
 
-    /// Model of the map.
+    /// Model used by the map.
     pub fn model(&self) -> CalibrationModel {
         match self {
             Self::Separable(_) => CalibrationModel::Separable,
@@ -72,10 +73,10 @@ impl ForceMap {
     }
 }
 
-/// Validity of the force at one element in one image.
+/// Validity of the force computed for one element in one image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForceValidity {
-    /// The moments are within the range of the calibration's loads.
+    /// The moments are within the range of the loads used for the calibration.
     Calibrated,
     /// The moments exceed the range of the calibration's loads by more than a tenth: the force is extrapolated
     /// linearly. Most saturated and overexposed sub-regions are in this state.
@@ -100,7 +101,7 @@ pub struct ElementCalibration {
 }
 
 impl ElementCalibration {
-    /// Computes `moments` relative to the unloaded ones.
+    /// Computes `moments` relative to the unloaded ones, as inputs of the map.
     pub fn inputs(&self, moments: &ElementMoments) -> RelativeMoments {
         RelativeMoments::relative(moments, self.unloaded_gray, self.unloaded_centroid)
     }
@@ -113,7 +114,7 @@ impl ElementCalibration {
 
     /// Validity of the force for `moments`.
     pub fn validity(&self, moments: &ElementMoments) -> ForceValidity {
-        /// Fraction of a range by which noise may exceed it.
+        /// Fraction of a range by which moments may exceed it, to allow for noise.
         const MARGIN: f64 = 0.1;
         let is_lit = moments.integrated_gray > 0.5 * self.unloaded_gray;
         if !(is_lit && moments.centroid.is_finite()) {
@@ -126,7 +127,7 @@ impl ElementCalibration {
         }
     }
 
-    /// Largest force at the ends of the ranges of growth and displacement, varied separately, N.
+    /// Largest force that the map gives at the ends of the ranges of growth and displacement, varied one at a time, N.
     pub(super) fn largest_force(&self) -> f64 {
         let [growth, along_x, along_y] = self.map.ranges();
         let grown = growth.map(|growth| (growth, DVec2::ZERO));

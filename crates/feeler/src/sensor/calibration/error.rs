@@ -14,7 +14,7 @@ pub enum CalibrationError {
     /// The calibration cannot be formatted.
     #[error("the calibration cannot be written: {0}")]
     Write(#[from] toml::ser::Error),
-    /// The file has another version.
+    /// The file has an unsupported version.
     #[error(
         "expected calibration file version {CALIBRATION_VERSION}, got {actual}; \
          run `feeler calibrate` to make one of this version"
@@ -49,17 +49,17 @@ pub enum CalibrationError {
         /// Hash in the file.
         actual: String,
     },
-    /// The number of elements, or of lists of loads, is wrong.
+    /// The number of elements, or of the lists of loads, differs from the fingertip's.
     #[error("expected {what} for {expected} elements, got {actual}")]
     ElementCount {
-        /// Items that were counted.
+        /// Name of the counted items.
         what: &'static str,
         /// Number of elements of the fingertip.
         expected: usize,
         /// Number of items found.
         actual: usize,
     },
-    /// Forces contradict the images.
+    /// The sign of a force component contradicts the images in most elements.
     #[error(
         "{force} is reversed in {reversed} of {elements} elements: the calibration would report {} (expected {}); its loads have the \
          wrong sign or axis; correct them and run `feeler calibrate` again",
@@ -74,7 +74,7 @@ pub enum CalibrationError {
         /// Number of all elements.
         elements: usize,
     },
-    /// The forces are too large or too small.
+    /// The forces are implausibly large or small.
     #[error(
         "full_scale is {full_scale} N, forces are up to {largest:.3} N; expected {} to {} N on a soft element: are its loads in another unit? \
          If not, run `feeler calibrate --confirm-loads`",
@@ -86,20 +86,20 @@ pub enum CalibrationError {
         /// Largest force within the ranges, N.
         largest: f64,
     },
-    /// A full scale is not a valid force.
+    /// A full-scale force is negative or not finite.
     #[error("full_scale.{key} = {actual}: expected a non-negative force in N")]
     FullScale {
-        /// `normal` or `shear`.
+        /// Name of the full scale: `normal` or `shear`.
         key: &'static str,
         /// Value in the file, N.
         actual: f64,
     },
-    /// A value in the calibration is invalid, or an element's loads do not determine it.
+    /// A value in the calibration is invalid, or an element's loads are insufficient for a fit.
     #[error("element {element}: {what}")]
     Unusable {
         /// Index of the element.
         element: usize,
-        /// Description with the expected and the actual value.
+        /// Description of the problem, with the expected and the actual value.
         what: String,
     },
 }

@@ -29,7 +29,7 @@ pub struct LoadSample {
 /// Measurements for calibrating one element.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ElementRecord {
-    /// Moments without load; their mean is the reference.
+    /// Moments without load; their mean is the unloaded reference.
     pub unloaded: Vec<ElementMoments>,
     /// Loads for the fit.
     pub fitted: Vec<LoadSample>,
@@ -75,7 +75,7 @@ impl FullScale {
 /// Fits a calibration to `records`, one for each element of `made_for`.
 ///
 /// # Errors
-/// If a record is missing or empty, an element is dark, or its loads do not determine a map.
+/// If a record is missing or empty, an element is dark, or its loads are insufficient for a fit.
 pub fn fit(
     made_for: CalibrationTarget,
     records: &[ElementRecord],
@@ -149,7 +149,7 @@ pub fn explained(calibration: &Calibration, records: &[ElementRecord]) -> DVec3 
     DVec3::new(part(0), part(1), part(2))
 }
 
-/// All elements, fitted with one model.
+/// Calibrations of all elements, fitted with the same model.
 #[derive(Default)]
 struct Fitted {
     elements: Vec<ElementCalibration>,
@@ -157,7 +157,7 @@ struct Fitted {
     score: f64,
 }
 
-/// One element's loads, prepared for fitting.
+/// Loads and moments of one element, prepared for fitting.
 pub(super) struct Prepared<'a> {
     record: &'a ElementRecord,
     unloaded_gray: f64,
@@ -204,7 +204,8 @@ impl<'a> Prepared<'a> {
         RelativeMoments::relative(moments, self.unloaded_gray, self.unloaded_centroid)
     }
 
-    /// Fits one model. Returns the calibration and its mean squared cross-validated error relative to full scale.
+    /// Fits one model to the element. Returns the calibration and its mean squared cross-validated error relative to
+    /// full scale.
     fn fit(
         &self,
         coupled: bool,
@@ -277,7 +278,7 @@ pub(super) fn fit_map(
     }
 }
 
-/// Rejects loads that do not determine a map.
+/// Rejects loads that are insufficient for a fit.
 fn check_forces(forces: &[DVec3]) -> Result<(), String> {
     if forces.is_empty() {
         return Err("expected loads, got none".into());

@@ -3,13 +3,14 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
-/// Minimum width of a range of inputs for a meaningful slope.
+/// Minimum width of an input's range below which no slope is fitted.
 pub(in crate::sensor) const MIN_SLOPE_RANGE: f64 = 1e-12;
 
-/// Maximum extrapolation beyond a range, in widths of the range.
+/// Maximum extrapolation beyond a range, in multiples of its width.
 const FARTHEST: f64 = 1e6;
 
-/// Signed distance of `input` from `range`, limited so that forces stay finite. NaN if `input` is NaN.
+/// Signed distance from `input` to the nearest end of `range`; 0 inside. Limited so that forces stay finite. NaN if
+/// `input` is NaN.
 pub(in crate::sensor) fn beyond(input: f64, [low, high]: [f64; 2]) -> f64 {
     let farthest = FARTHEST * (high - low);
     let outside = if input > high {
@@ -43,7 +44,8 @@ pub(in crate::sensor) fn least_squares(
     columns: DMatrix<f64>,
     forces: &[f64],
 ) -> Result<Vec<f64>, String> {
-    /// Minimum remainder of a column after projection onto the previous ones, relative to the largest.
+    /// Minimum diagonal element of R in the QR decomposition, relative to the largest element; below it, a column is
+    /// linearly dependent.
     const MIN_PART: f64 = 1e-9;
     let (rows, terms) = columns.shape();
     if rows <= terms {

@@ -57,7 +57,7 @@ pub enum LoadsError {
     /// A field is invalid.
     #[error("line {line}: {field} = {value:?}; expected {expected}")]
     Field {
-        /// Line in the file, from 1.
+        /// Line number in the file, from 1.
         line: u64,
         /// Name of the column.
         field: &'static str,
@@ -66,13 +66,13 @@ pub enum LoadsError {
         /// Expected value.
         expected: String,
     },
-    /// No element of the layout is near the given position.
+    /// No element of the layout is near the position in the file.
     #[error(
         "line {line}: element {name:?} at column {}, row {}: the nearest element of the layout, {nearest}, is {distance:.1} px \
          away; expected less than {limit:.1} px, half the distance to its neighbour", place_px.x, place_px.y
     )]
     NoSuchPlace {
-        /// Line in the file, from 1.
+        /// Line number in the file, from 1.
         line: u64,
         /// Name of the element in the file.
         name: String,
@@ -82,7 +82,7 @@ pub enum LoadsError {
         nearest: usize,
         /// Distance of that element, px.
         distance: f64,
-        /// Maximum distance, px.
+        /// Maximum allowed distance, px.
         limit: f64,
     },
     /// Elements of the file and of the layout do not correspond one to one.
@@ -91,13 +91,13 @@ pub enum LoadsError {
          layout for each element of the file"
     )]
     SamePlace {
-        /// Line in the file, from 1.
+        /// Line number in the file, from 1.
         line: u64,
         /// Name of the element in the file.
         name: String,
-        /// Index in the layout.
+        /// Index of the element in the layout.
         element: usize,
-        /// Description of the conflicting earlier row.
+        /// Description of the earlier row that conflicts.
         before: String,
     },
     /// Two rows give a force for the same element in the same image.
@@ -105,13 +105,13 @@ pub enum LoadsError {
         "line {line}: {picture:?} has a force for element {element} already in line {before}; expected one"
     )]
     Twice {
-        /// The later line.
+        /// Line number of the later row.
         line: u64,
-        /// Number of the earlier line, which already has a force for the element.
+        /// Line number of the earlier row.
         before: u64,
-        /// The image.
+        /// Image file of both rows.
         picture: String,
-        /// The element.
+        /// Index of the element.
         element: usize,
     },
 }
@@ -121,7 +121,7 @@ pub enum LoadsError {
 pub struct LoadedImage {
     /// Path of the image as written in the CSV.
     pub picture: String,
-    /// Line of its first row.
+    /// Line number of its first row.
     pub line: u64,
     /// Force on each element, N; `None` if the file does not specify it.
     pub forces: Vec<Option<DVec3>>,
@@ -174,12 +174,12 @@ pub fn read_loads(
     Ok(pictures)
 }
 
-/// Indices of the fields in a row.
+/// Column indices of the fields of a row.
 struct Columns {
     picture: usize,
     element: Option<usize>,
     force: [NumberColumn; 3],
-    /// Column and row of a position; `None` unless the table has both.
+    /// Columns with the position of the element in the image; `None` unless the table has both.
     place: Option<[NumberColumn; 2]>,
     x_angle: Option<NumberColumn>,
 }
@@ -215,7 +215,7 @@ impl Columns {
         })
     }
 
-    /// Returns whether a row does not identify an element.
+    /// Returns whether the current row identifies no element, neither by name nor by position.
     fn name_none<R: BufRead>(&self, table: &Table<R>) -> bool {
         let mut place = self.place.iter().flatten();
         self.element
@@ -283,7 +283,7 @@ impl Row {
     }
 }
 
-/// Index in the layout of the row's element, identified by position if the file has positions.
+/// Index of the row's element in the layout, identified by position if the file contains positions.
 fn element_of<R: BufRead>(
     field: &Field<R>,
     columns: &Columns,
@@ -318,13 +318,13 @@ fn element_of<R: BufRead>(
     })
 }
 
-/// Current row of a table, for error messages.
+/// The current row, from which fields are parsed with error messages.
 struct Field<'a, R> {
     table: &'a Table<R>,
 }
 
 impl<R: BufRead> Field<'_, R> {
-    /// Finite number in a column.
+    /// Parses the finite number in a column.
     fn number(
         &self,
         name: &'static str,

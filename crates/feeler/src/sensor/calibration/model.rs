@@ -40,7 +40,7 @@ pub enum ForceUnit {
     Newton,
 }
 
-/// Reads only the version, to distinguish a file of another version from an invalid one.
+/// Fields needed to read only the version, to distinguish a file of another version from an invalid file.
 #[derive(Deserialize)]
 struct VersionOnly {
     version: u32,
@@ -112,10 +112,10 @@ impl Calibration {
     /// repeated whenever the file is read.
     ///
     /// # Errors
-    /// If full scale or the forces at the ends of the ranges are out of range, and the loads are not
+    /// If full scale or the forces at the ends of the input ranges are implausible, and the loads are not
     /// [confirmed](Self::loads_confirmed).
     pub fn check_magnitude(&self) -> Result<(), CalibrationError> {
-        /// Factor by which a map may exceed the largest load at the ends of its ranges.
+        /// Factor by which forces at the ends of the input ranges may exceed the plausible range.
         const BEYOND: f64 = 3.0;
         if self.loads_confirmed {
             return Ok(());

@@ -7,15 +7,15 @@ use super::model::Calibration;
 use super::quality::root_mean_square;
 use glam::DVec3;
 
-/// Minimum number of loads of an element for detecting outliers.
+/// Minimum number of loads of an element for outlier detection.
 const MIN_LOADS: usize = 20;
-/// Minimum ratio of a mistyped load's error to the robust standard deviation and to the root mean square of the other
+/// Minimum ratios of an outlier's error to the robust standard deviation and to the root mean square of the other
 /// loads' errors.
 pub(in crate::sensor) const MISTYPED: f64 = 15.0;
 const MISTYPED_RMS: f64 = 5.0;
-/// Minimum error of a mistyped load relative to the largest force of the other loads.
+/// Minimum error of an outlier, relative to the largest force of the other loads.
 pub(in crate::sensor) const MIN_SHARE: f64 = 0.1;
-/// Standard deviation of a normal distribution relative to the median of its absolute values.
+/// Ratio of the standard deviation of a normal distribution to the median of its absolute values.
 const DEVIATION_BY_MEDIAN: f64 = 1.4826;
 
 /// A load that is far from the prediction by all other loads of its element.
@@ -36,8 +36,8 @@ pub struct Outlier {
 }
 
 impl Outlier {
-    /// Returns whether the value is more than twice as large as any other load in `records`. As its image resembles
-    /// those of the other loads, the image is not the cause, and the load would dominate the fit.
+    /// Returns whether the value is more than twice as large as any other load in `records`. Its image resembles those
+    /// of the other loads and is therefore not the cause; the load would dominate the fit.
     pub fn is_beyond_all(&self, records: &[ElementRecord]) -> bool {
         let elements = records.iter().enumerate();
         let mut others = elements.flat_map(|(element, record)| {

@@ -76,7 +76,7 @@ pub(in crate::sensor) fn root_mean_square(errors: &[DVec3]) -> DVec3 {
 pub struct ElementQuality {
     /// Errors on loads excluded from the fit.
     pub held_out: HeldOutError,
-    /// Largest standard deviation of the readings under the same load, among loads applied at least three times, N.
+    /// Largest standard deviation among readings under the same load (N), over loads applied at least three times.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeatability: Option<DVec3>,
     /// Largest difference between the mean readings under the same load when reached from smaller and from larger
@@ -93,7 +93,7 @@ pub(super) fn resolution(unloaded: &[DVec3]) -> Option<DVec3> {
     Some(3.0 * deviation(unloaded, 2)?)
 }
 
-/// Standard deviation, N, or `None` for fewer than `least` forces.
+/// Standard deviation (N); `None` if there are fewer than `least` forces.
 fn deviation(forces: &[DVec3], least: usize) -> Option<DVec3> {
     let count = forces.len() as f64;
     if forces.len() < least {
@@ -104,16 +104,16 @@ fn deviation(forces: &[DVec3], least: usize) -> Option<DVec3> {
     Some((squares / (count - 1.0)).map(f64::sqrt))
 }
 
-/// Load and reading at one step of a series, N.
+/// Applied load and reading at one step of a load series, N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycledReading {
     /// Applied load.
     pub force: DVec3,
-    /// Reading.
+    /// Measured force.
     pub reading: DVec3,
 }
 
-/// Readings under the same load.
+/// Readings taken under the same load.
 #[derive(Default)]
 struct SameLoad {
     all: Vec<DVec3>,

@@ -25,7 +25,7 @@ impl RelativeMoments {
         }
     }
 
-    /// Growth and displacements along x and y.
+    /// Returns growth, displacement along x and displacement along y.
     pub(in crate::sensor) fn components(self) -> [f64; 3] {
         [self.growth, self.displacement.x, self.displacement.y]
     }

@@ -22,9 +22,9 @@ pub struct Errors {
     pub rms: DVec3,
     /// Largest absolute error on held-out loads.
     pub worst: DVec3,
-    /// Largest standard deviation under the same load; zero if unknown.
+    /// Largest standard deviation of readings under the same load; zero if unknown.
     pub repeatability: DVec3,
-    /// Largest difference between rising and falling loads; zero if unknown.
+    /// Largest difference between readings at rising and at falling load; zero if unknown.
     pub hysteresis: DVec3,
     /// Three standard deviations of the reading without load: the smallest detectable force; zero if unknown.
     pub resolution: DVec3,
@@ -60,7 +60,7 @@ impl<'a> CalibrationReport<'a> {
         }
     }
 
-    /// Errors over the elements of each ring; empty if the calibration has no rings.
+    /// Accuracy over the elements of each ring; empty if the calibration has no rings.
     pub fn rings(&self) -> Vec<Errors> {
         let mut rest = &self.calibration.elements[..];
         let fingertip = self.calibration.made_for.fingertip.as_ref();

@@ -19,7 +19,7 @@ const CURVE_TERMS: usize = 3;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceCurve {
-    /// Minimum and maximum input among the loads, including 0.
+    /// Minimum and maximum input among the calibration's loads, including 0.
     pub range: [f64; 2],
     /// `c_1, c_2, c_3`, N per power of the input.
     pub coefficients: [f64; CURVE_TERMS],
@@ -107,7 +107,8 @@ impl SeparableMap {
         )
     }
 
-    /// Minimum and maximum growth, x and y among the loads.
+    /// Minimum and maximum of each input among the loads: gray-value growth, displacement along x, displacement along
+    /// y.
     pub fn ranges(&self) -> [[f64; 2]; 3] {
         [self.normal.range, self.shear_x.range, self.shear_y.range]
     }

@@ -1,19 +1,19 @@
-//! Checks that the signs of a calibration's forces agree with the images.
+//! Checks that the signs of a calibration's forces match the images.
 
 use super::element::ElementCalibration;
 use super::error::CalibrationError;
 use super::relative_moments::RelativeMoments;
 use glam::DVec2;
 
-/// Fraction of elements with reversed forces above which loads are considered reversed; in single elements, noise may
-/// be the cause.
+/// Minimum fraction of elements with reversed forces for the loads to be rejected; in single elements, noise may be the
+/// cause.
 const SYSTEMATIC: f64 = 0.9;
 
-/// Predicate: a component of an element's force is reversed.
+/// Function that returns `true` if a component of an element's force is reversed.
 type IsReversed = fn(&ElementCalibration) -> bool;
 
-/// Rejects a calibration that reports tension for compressed elements, or shear against the displacement, as results
-/// from loads with reversed signs.
+/// Rejects a calibration that gives tension for compressed elements, or shear opposite to the displacement, which
+/// results from loads with reversed signs.
 pub fn check_signs(elements: &[ElementCalibration]) -> Result<(), CalibrationError> {
     let columns: [(_, IsReversed); 3] = [
         ("f_x", |element| shear_slope(element, DVec2::X) < 0.0),
@@ -37,8 +37,8 @@ pub fn check_signs(elements: &[ElementCalibration]) -> Result<(), CalibrationErr
     Ok(())
 }
 
-/// Returns whether `F_z` decreases with growth to more tension than there is compression. This is not the case for a
-/// sensor that darkens under compression.
+/// Returns whether `F_z` decreases with gray-value growth and is negative on average. This is not the case for a sensor
+/// that darkens under compression.
 fn is_tension(element: &ElementCalibration) -> bool {
     let [range, ..] = element.map.ranges();
     let [low, high] = range.map(|growth| {
@@ -54,8 +54,8 @@ fn is_tension(element: &ElementCalibration) -> bool {
     high < low && high + low < 0.0
 }
 
-/// Increase of the shear along `axis` from the smallest to the largest displacement along it, N, at half of the
-/// maximum growth (without growth there is no load).
+/// Change of the shear force along `axis` (N) from the smallest to the largest displacement along it, at half of the
+/// maximum gray-value growth, because an element under load has grown.
 fn shear_slope(element: &ElementCalibration, axis: DVec2) -> f64 {
     let [[_, growth], along_x, along_y] = element.map.ranges();
     let range = if axis == DVec2::X { along_x } else { along_y };

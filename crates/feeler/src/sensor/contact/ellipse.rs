@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-/// Squared semi-axis over the second moment of the pressure along it, for the pressure of Hertz: p ~ sqrt(1 - r²).
+/// Ratio of a squared semi-axis to the pressure's second moment along it, for Hertzian pressure p ~ sqrt(1 - r²).
 const HERTZ: f64 = 5.0;
 
 /// Contact area: an ellipse with the second moments of the measured pressure.
@@ -38,7 +38,7 @@ impl ContactEllipse {
 pub(super) struct Sample {
     /// Position relative to the centre, m.
     pub position: DVec2,
-    /// Compression relative to that of the contact.
+    /// Compression relative to the total compression of the contact.
     pub weight: f64,
     /// Squared distance to the nearest element, m².
     pub cell_area: f64,
@@ -47,12 +47,12 @@ pub(super) struct Sample {
 /// Variance of the position within a square cell with sides of 1 (Sheppard's correction of moments of grouped data).
 pub(super) const CELL_VARIANCE: f64 = 1.0 / 12.0;
 
-/// Maximum second moment across a line, relative to that along it, by rounding.
+/// Maximum ratio of the second moments across and along a line of elements; above zero because of rounding.
 const ON_A_LINE: f64 = 1e-6;
 
-/// Contact ellipse, or `None` if the elements do not resolve it: if fewer than three touch, if they lie on a line, or if one
-/// of them bears almost everything. `tangents` are the axes of positions in `T`, `touching` is the number of touching
-/// elements, and `noise` the standard error of each weight.
+/// Contact ellipse, or `None` if the elements do not resolve it: if fewer than three touch, if they lie on a line, or
+/// if one of them carries nearly the entire force. `tangents` are the axes of positions in `T`, `touching` is the
+/// number of touching elements, and `noise` the standard error of each weight.
 pub(super) fn ellipse(
     elements: impl Iterator<Item = Sample> + Clone,
     tangents: (DVec3, DVec3),

@@ -5,15 +5,15 @@ use super::friction::{FrictionEstimator, MIN_COMPRESSION, shear_and_compression}
 use crate::sensor::fingertip::layout::SensingElement;
 use glam::{DVec2, DVec3};
 
-/// Maximum squared distance of neighbours, relative to that of the nearest one: 2 for the diagonal of a square, plus
+/// Maximum squared distance of a neighbour, relative to that of the nearest one: 2 for the diagonal of a square, plus
 /// tolerance.
 const NEIGHBOURS: f64 = 2.3;
 
 /// Iterations that compute the contact normal; each reduces the influence of shear.
 const NORMAL_ITERATIONS: usize = 4;
-/// Minimum compression of an isolated element that touches although another is pressed harder, relative to the threshold.
+/// Minimum compression, relative to the threshold, of an isolated element that touches while another is pressed harder.
 const ISOLATED: f64 = 2.0;
-/// Ratio of shear to compression, over the coefficient of friction, from which an element counts as sliding.
+/// Ratio of shear to compression, relative to the coefficient of friction, from which an element counts as sliding.
 const SLIDING: f64 = 0.95;
 
 /// Contact of one fingertip with an object. Vectors are in the fingertip frame `T`.
@@ -48,10 +48,10 @@ pub struct Contact {
 
 /// Estimates the contact of a fingertip from the forces on its elements.
 ///
-/// An element touches if its compression exceeds a threshold. An isolated one between one and two thresholds is ignored
-/// as noise, unless it is pressed hardest. Forces on neighbours of touching elements are included, because the edge of a
-/// contact is weakly loaded. The standard error of each force component is assumed to be a third of the threshold; stated
-/// errors include the spacing of the elements, which should be about equal in all directions.
+/// An element touches if its compression exceeds a threshold. An isolated element between one and two thresholds is
+/// ignored as noise, unless it is the most compressed one. Forces on neighbours of touching elements are included,
+/// because the edge of a contact is weakly loaded. The standard error of each force component is assumed to be a third
+/// of the threshold; stated errors include the spacing of the elements, which should be about equal in all directions.
 ///
 /// Shear and compression are measured relative to one plane: the object must be locally flat.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +89,7 @@ struct Site {
     position: DVec3,
     /// Squared distance to the nearest other element, m²; NaN for a single element.
     cell_area: f64,
-    /// Indices of the elements around it.
+    /// Indices of the adjacent elements.
     neighbours: Vec<usize>,
 }
 
@@ -145,7 +145,7 @@ impl ContactEstimator {
         Self { friction, ..self }
     }
 
-    /// Forgets the estimated friction, for example because another object is touched.
+    /// Discards the estimated friction, for example because another object is touched.
     pub fn restart(&mut self) {
         if let Friction::Estimated(estimator) = &mut self.friction {
             estimator.restart();
@@ -238,7 +238,7 @@ impl ContactEstimator {
         Some(normal)
     }
 
-    /// Contact of the collected elements, without friction.
+    /// Computes the contact of the collected elements, without friction.
     fn contact(&self, normal: DVec3) -> Option<Contact> {
         let touching = touching(&self.loaded).count();
         let pressed: f64 = self.loaded.iter().map(|loaded| loaded.compression).sum();
@@ -294,7 +294,7 @@ impl ContactEstimator {
         })
     }
 
-    /// Point of the fingertip's surface above the mean position of elements.
+    /// Projects the mean position of elements onto the fingertip's surface.
     fn on_surface(&self, mean: DVec3) -> DVec3 {
         match self.dome_radius {
             Some(radius) => mean
@@ -310,7 +310,7 @@ fn touching(loaded: &[Loaded]) -> impl Iterator<Item = &Loaded> + Clone {
     loaded.iter().filter(|loaded| loaded.touches)
 }
 
-/// Radius of the dome around the origin of `T` on which all elements lie, m, or `None` if they lie on no such dome.
+/// Radius (m) of the dome around the origin of `T` on which all elements lie; `None` if they do not lie on a dome.
 fn dome_radius(elements: &[(SensingElement, DVec3)]) -> Option<f64> {
     let radius = elements.first()?.1.length();
     let on_dome = |(element, place): &(SensingElement, DVec3)| {

@@ -2,32 +2,34 @@
 
 use glam::DVec3;
 
-/// Maximum growth of an element's shear at which it counts as sliding, relative to the mean of faster elements.
+/// Maximum growth of an element's shear for it to count as sliding, relative to the mean of those that grow faster than
+/// average.
 const MAX_STILL_GROWTH: f64 = 0.25;
-/// Minimum ratio of shear to compression of elements that may slide, relative to the largest one.
+/// Minimum ratio of shear to compression of an element that may be sliding, relative to the largest such ratio.
 const TOP_RATIO: f64 = 0.93;
-/// Minimum compression of judged elements, relative to the threshold of touch: ratios of weakly pressed elements are mostly
-/// noise.
+/// Minimum compression of an evaluated element, relative to the contact threshold; ratios of weakly pressed elements
+/// are mostly noise.
 pub(super) const MIN_COMPRESSION: f64 = 3.0;
 /// Minimum growth of shear between two evaluations, relative to the compression.
 const MIN_GROWTH: f64 = 0.02;
-/// Minimum growth of shear per element between two evaluations, relative to the minimum compression: well above noise.
+/// Minimum growth of shear per element between two evaluations, relative to the minimum compression, to exceed the
+/// noise.
 const ABOVE_NOISE: f64 = 0.67;
 
 /// Estimates the coefficient of friction from elements that begin to slide before others (incipient slip).
 ///
 /// While the tangential load grows, the shear of sticking elements grows, but that of sliding elements remains at
-/// friction times compression (Cattaneo 1938, Mindlin 1949; K. L. Johnson, *Contact Mechanics*, 1985, section 7.2).
-/// If the shear of most elements with the largest ratios of shear to compression stands still while that of others grows,
-/// the median of these ratios is the coefficient. Growth of shear is that beyond the growth of compression, so pressing
-/// harder gives no estimate.
+/// friction times compression (Cattaneo 1938, Mindlin 1949; K. L. Johnson, *Contact Mechanics*, 1985, section 7.2). If
+/// the shear of most elements with the largest ratios of shear to compression remains constant while that of others
+/// grows, the median of these ratios is the coefficient. Only growth of shear in excess of the growth of compression
+/// counts, so pressing harder gives no estimate.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FrictionEstimator {
-    /// Minimum compression of a judged element, N.
+    /// Minimum compression of an evaluated element, N.
     min_compression: f64,
     /// Forces on the fingertip at the last evaluation, N in `T`; NaN without contact.
     anchor: Vec<DVec3>,
-    /// Judged elements: growth of shear (N), ratio of shear to compression.
+    /// Evaluated elements: growth of shear (N) and ratio of shear to compression.
     judged: Vec<(f64, f64)>,
     friction: Option<f64>,
 }
@@ -43,12 +45,12 @@ impl FrictionEstimator {
         }
     }
 
-    /// Ends a contact: the next one is not compared with it.
+    /// Ends a contact, so that the next one is not compared with it.
     pub fn end_contact(&mut self) {
         self.anchor.fill(DVec3::NAN);
     }
 
-    /// Forgets the estimate, for example when another object is touched.
+    /// Discards the estimate, for example when another object is touched.
     pub fn restart(&mut self) {
         self.end_contact();
         self.friction = None;
@@ -101,8 +103,8 @@ pub(super) fn shear_and_compression(force: DVec3, normal: DVec3) -> (DVec3, f64)
     (force - outward * normal, -outward)
 }
 
-/// Median of the largest ratios of shear to compression, or `None` if the shear of most of these elements grows, or fewer than
-/// two are still.
+/// Median of the largest ratios of shear to compression; `None` if the shear of most of these elements grows, or if it
+/// is constant for fewer than two.
 fn sliding_friction(judged: &mut [(f64, f64)]) -> Option<f64> {
     let mean_above = |least: f64| {
         let faster = judged

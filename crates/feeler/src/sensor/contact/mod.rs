@@ -1,8 +1,8 @@
 //! Contact of a fingertip with an object, from the forces on its elements.
 //!
-//! [`ContactEstimator`] computes where the contact is, how large it is, its resultant force and torsion, and how many
-//! elements already slide. The latter requires the coefficient of friction, which is estimated from a contact that
-//! begins to slide if it is not given.
+//! [`ContactEstimator`] computes the position and size of the contact, its resultant force and torsion, and the
+//! fraction of sliding elements. The latter requires the coefficient of friction; if not given, it is estimated while a
+//! contact begins to slide.
 //!
 //! ```
 //! use feeler::sensor::contact::ContactEstimator;

@@ -39,7 +39,7 @@ pub struct CameraConfig {
 }
 
 impl Default for CameraConfig {
-    /// Shows all 41 elements of the reference layout, up to the rim of the outermost sub-regions.
+    /// Camera whose image contains all 41 elements of the reference layout, up to the rim of the outermost sub-regions.
     fn default() -> Self {
         Self {
             width: 640,
@@ -66,9 +66,9 @@ pub enum DomeError {
         "camera: width x height must be 1 to {MAX_PICTURE_SIDE} px each and at most {MAX_PICTURE_PIXELS} px in total, got {width}x{height} px"
     )]
     PictureSize {
-        /// Columns, px.
+        /// Width of the image, px.
         width: usize,
-        /// Rows, px.
+        /// Height of the image, px.
         height: usize,
     },
     /// A length is not a positive number.
@@ -200,7 +200,7 @@ impl DomeProjection {
         Some(self.centre + self.focal_length * scale * slope)
     }
 
-    /// Point of the dome (m, in `T`) that is visible at column and row `pixel`, px.
+    /// Point of the dome (m, in `T`) that is imaged at column and row `pixel`, px.
     ///
     /// `None` if no ray is distorted to that pixel.
     pub fn point_at(&self, pixel: DVec2) -> Option<DVec3> {
@@ -216,8 +216,8 @@ impl DomeProjection {
 
     /// Point of the dome (m, in `T`) above `plane` (m, x and y of the element's frame).
     ///
-    /// The projection is along the element's normal, the direction of the conical feelers. `None` if no point of the
-    /// dome lies there.
+    /// The projection is along the element's normal, the direction of the conical feelers. `None` if the projection
+    /// misses the dome.
     pub fn lift(&self, plane: DVec2, element: &SensingElement) -> Option<DVec3> {
         let height = self.dome_radius.powi(2) - plane.length_squared();
         (height >= 0.0).then(|| element.rotation * plane.extend(height.sqrt()))
@@ -225,7 +225,7 @@ impl DomeProjection {
 
     /// Maps column and row `pixel`, px, to the tangent plane of `element` (dewarping).
     ///
-    /// `None` if the pixel has no ray, or shows the other half of the dome.
+    /// `None` if no ray is distorted to that pixel, or if it shows the opposite half of the dome.
     pub fn dewarp(&self, pixel: DVec2, element: &SensingElement) -> Option<Dewarped> {
         let plane = |offset: DVec2| {
             let point = element.rotation.transpose() * self.point_at(pixel + offset)?;

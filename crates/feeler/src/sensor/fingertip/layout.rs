@@ -15,13 +15,13 @@ pub struct LayoutConfig {
     pub dome_radius: f64,
     /// Rings from the apex outward; empty if there is a grid.
     pub rings: Vec<RingConfig>,
-    /// Grid, instead of rings.
+    /// Grid of elements; replaces the rings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<GridConfig>,
 }
 
 impl Default for LayoutConfig {
-    /// The reference fingertip: 41 elements in rings of 1, 8, 12 and 20. The paper gives only their number;
+    /// The reference fingertip: 41 elements in rings of 1, 8, 12 and 20. Their total number is from the paper;
     /// arrangement and radius are assumed.
     fn default() -> Self {
         let rings = [(1, 0.0), (8, 22.5), (12, 45.0), (20, 67.5)];
@@ -112,8 +112,8 @@ impl GridConfig {
         self.columns.saturating_mul(self.rows)
     }
 
-    /// Directions of the elements in `T`, row by row. The distance of each from the apex along the dome equals its
-    /// distance in the plane of the grid.
+    /// Directions of the elements in `T`, row by row. The arc length from the apex to an element equals the element's
+    /// distance from the middle of the planar grid.
     fn directions(&self, dome_radius: f64) -> impl Iterator<Item = DVec3> {
         let off_middle = |index: usize, count: usize| index as f64 - 0.5 * (count as f64 - 1.0);
         (0..self.element_count()).map(move |index| {
@@ -138,9 +138,9 @@ pub struct SensingElement {
 }
 
 impl SensingElement {
-    /// Element whose outward normal is along `direction` (a unit vector in `T`). Its frame is oriented like those on
-    /// rings. Within a degree of the apex, where the meridian would be determined by noise, x of the element is along
-    /// y of `T`, like at the apex. The ring is unknown and set to 0.
+    /// Creates the element whose outward normal is along `direction` (a unit vector in `T`). Its frame is oriented like
+    /// those on rings. Within a degree of the apex, where noise would determine the meridian, x of the element is along
+    /// y of `T`, as at the apex. The ring is unknown and set to 0.
     pub fn facing(direction: DVec3) -> Self {
         let off_axis = libm::hypot(direction.y, direction.z);
         let rotation = if direction.x > 0.0 && off_axis < libm::sin(1_f64.to_radians()) {
@@ -172,12 +172,12 @@ impl SensingElement {
 pub struct ElementLayout {
     /// Radius of the sphere on which the unloaded tips lie, m.
     pub dome_radius: f64,
-    /// Elements.
+    /// The elements, ring by ring or row by row.
     pub elements: Vec<SensingElement>,
 }
 
 impl ElementLayout {
-    /// Places the elements of `config`.
+    /// Computes the elements described by `config`.
     ///
     /// Within a ring, element j of n is at azimuth `2 pi j / n` about the dome's axis (x of `T`), from y of `T`
     /// towards z of `T`. The elements of a grid are placed row by row along z of `T`.

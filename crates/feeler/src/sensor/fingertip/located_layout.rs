@@ -35,7 +35,7 @@ pub struct DomeGeometry {
     pub camera: CameraConfig,
 }
 
-/// One element of a layout.
+/// One sensing element of a layout.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementPlace {
@@ -50,7 +50,7 @@ pub struct ElementPlace {
     /// Ring, 0 innermost; `None` if the dome is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring: Option<usize>,
-    /// Grey level of the background around the element, if the lighting is uneven; see [`LocatedLayout::dark_level`].
+    /// Gray level of the background around the element; `None` if it is the common [`LocatedLayout::dark_level`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground_level: Option<u8>,
 }
@@ -82,12 +82,12 @@ pub struct LocatedLayout {
     /// in px.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dome: Option<DomeGeometry>,
-    /// Elements.
+    /// The sensing elements.
     #[serde(rename = "element")]
     pub elements: Vec<ElementPlace>,
 }
 
-/// Reads only the version, to distinguish a file of another version from an invalid one.
+/// Fields needed to read only the version, to distinguish a file of another version from an invalid file.
 #[derive(Deserialize)]
 struct VersionOnly {
     version: u32,
@@ -199,7 +199,7 @@ impl LocatedLayout {
         Ok(kernel.with_background(self.polarity, &levels)?)
     }
 
-    /// The projection of the dome's camera, if the dome is known.
+    /// Projection of the dome's camera; `None` if the dome is unknown.
     fn projection(&self) -> Result<Option<DomeProjection>, LayoutError> {
         let dome = self.dome.as_ref();
         let projection = dome.map(|dome| DomeProjection::new(&dome.camera, dome.radius));
@@ -210,7 +210,7 @@ impl LocatedLayout {
     /// is unknown).
     ///
     /// # Errors
-    /// If the dome is invalid, or the camera does not see an element.
+    /// If the dome is invalid, or an element is outside the camera's view.
     pub fn seen_elements(&self) -> Result<Vec<ProjectedElement>, LayoutError> {
         let projection = self.projection()?;
         let seen = |(element, place): (usize, &ElementPlace)| {
@@ -232,8 +232,9 @@ impl LocatedLayout {
         self.elements.iter().enumerate().map(seen).collect()
     }
 
-    /// Rotation of each element's frame `E_i`: relative to the fingertip frame `T` if the dome is known. Otherwise
-    /// the identity, as lengths are in the image (x to the right, y down, z away from the camera).
+    /// Rotation of each element's frame `E_i` relative to the fingertip frame `T` if the dome is known. Otherwise the
+    /// identity, because element frames are then parallel to the image (x to the right, y down, z away from the
+    /// camera).
     pub fn element_frames(&self) -> Vec<DMat3> {
         let frame = |place: &ElementPlace| match (&self.dome, place.direction) {
             (Some(_), Some(direction)) => SensingElement::facing(direction).rotation,
@@ -277,7 +278,7 @@ impl LocatedLayout {
     }
 }
 
-/// Rounds to a ten-thousandth of a pixel, which is finer than the accuracy of located centres.
+/// Rounds to a ten-thousandth of a pixel, finer than the accuracy of located centres.
 fn round(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }

@@ -22,18 +22,18 @@ pub enum LengthUnit {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CalibrationTarget {
-    /// SHA-256 of the canonical text, in hexadecimal digits.
+    /// SHA-256 of the canonical text of the fingertip or layout, in hexadecimal digits.
     pub sha256: String,
     /// Number of elements.
     pub elements: usize,
-    /// Unit of centroids. The unit of integrated gray values is grey levels times its square.
+    /// Unit of centroids. Integrated gray values are in gray levels times the square of this unit.
     pub length_unit: LengthUnit,
-    /// The fingertip, if its geometry is known; its canonical text is its TOML.
+    /// The fingertip, if its geometry is known. Its canonical text is its TOML representation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingertip: Option<FingertipConfig>,
 }
 
-/// Kind of sensor, compared first because different kinds have no common values.
+/// Fields that depend on the kind of sensor. The kind is compared first, because different kinds have no common fields.
 #[derive(PartialEq, Serialize)]
 struct KnownBy {
     known_by: &'static str,
@@ -64,7 +64,7 @@ impl CalibrationTarget {
         }
     }
 
-    /// Checks that a calibration made for `there` can be used with `self`.
+    /// Checks that a calibration made for `there` can be used with the sensor `self`.
     ///
     /// # Errors
     /// Returns the first value that differs, or both hashes if there are no values to compare.
@@ -94,7 +94,7 @@ impl CalibrationTarget {
         }
     }
 
-    /// Checks that the fingertip matches its hash and number of elements.
+    /// Checks that the fingertip matches the stored hash and number of elements.
     pub(in crate::sensor) fn check(&self) -> Result<(), CalibrationError> {
         let Some(fingertip) = &self.fingertip else {
             return Ok(());
@@ -129,7 +129,7 @@ pub fn sha256(text: &str) -> String {
     digits
 }
 
-/// Checks that the configured and the calibrated value are equal.
+/// Checks that a configured value equals the value in the calibration.
 fn same<T: PartialEq + Serialize>(
     part: &'static str,
     expected: &T,

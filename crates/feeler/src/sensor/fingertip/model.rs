@@ -1,4 +1,5 @@
-//! Configuration of one fingertip that determines its gray values, and for which a calibration is valid.
+//! Configuration of one optical fingertip. It determines the gray values and the fingertip for which a calibration is
+//! valid.
 
 use super::dome::{CameraConfig, DomeError, DomeProjection};
 use super::layout::{ElementLayout, LayoutConfig, MAX_ELEMENTS};
@@ -45,25 +46,25 @@ pub enum FingertipError {
     /// The camera is invalid.
     #[error(transparent)]
     Dome(#[from] DomeError),
-    /// The moments are invalid.
+    /// The configuration of the moments is invalid.
     #[error(transparent)]
     Moments(#[from] MomentsError),
 }
 
-/// Number of cached kernels, of about 5 MB each.
+/// Number of kernels in the cache, of about 5 MB each.
 const KEPT: usize = 2;
 
-/// A kernel, and the pixels of each element.
+/// Kernel of a fingertip, and the pixels of each element from which it was built.
 type Sensed = (MomentsKernel, Vec<Vec<WeightedPixel>>);
 
-/// Immutable data for sensing, built from a [`FingertipConfig`].
+/// Immutable sensing data built from a [`FingertipConfig`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fingertip {
     /// Sensing elements.
     pub layout: ElementLayout,
     /// Projection from the dome to the image.
     pub projection: DomeProjection,
-    /// Computes the moments of an image.
+    /// Kernel that computes the moments of an image.
     pub kernel: MomentsKernel,
 }
 
@@ -71,7 +72,7 @@ impl Fingertip {
     /// Builds the fingertip described by `config`.
     ///
     /// # Errors
-    /// If the camera does not see all sub-regions, or a value is invalid.
+    /// If a sub-region is not completely visible, or a value is invalid.
     pub fn new(config: &FingertipConfig) -> Result<Self, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
         Ok(Self {
@@ -81,7 +82,7 @@ impl Fingertip {
         })
     }
 
-    /// Returns the kernel of the fingertip and the pixels of each element from which it was built.
+    /// Returns the kernel of the fingertip, and the pixels of each element from which it was built.
     ///
     /// # Errors
     /// Like [`Self::new`].
@@ -89,8 +90,9 @@ impl Fingertip {
         Ok(Self::sensed(config)?.as_ref().clone())
     }
 
-    /// Cached kernel and pixels. Building them takes about 60 ms, so the latest ones are kept: a rig's fingertips are
-    /// mostly identical, and the trials of a sweep request the same one repeatedly.
+    /// Returns a kernel and its pixels from the cache, or builds them, which takes about 60 ms. The latest ones are
+    /// cached, because the fingertips of a rig are mostly identical, and the trials of a sweep request the same one
+    /// repeatedly.
     fn sensed(config: &FingertipConfig) -> Result<Arc<Sensed>, FingertipError> {
         static NEWEST: Mutex<Vec<(FingertipConfig, Arc<Sensed>)>> = Mutex::new(Vec::new());
         // Entries are complete even if a thread panicked while holding the lock.
@@ -142,7 +144,7 @@ impl Fingertip {
         layout.elements.iter().enumerate().map(seen).collect()
     }
 
-    /// Builds the parts of the fingertip that are cheap to build: all but the kernel.
+    /// Builds the elements and the projection, without the kernel, which is expensive.
     ///
     /// # Errors
     /// Like [`Self::new`], except for errors of the kernel.

@@ -1,17 +1,17 @@
-//! Removes drift of the lighting and slow creep from the moments, between two touches.
+//! Compensates drift of the lighting and slow creep of the moments between contacts.
 //!
-//! **Method.** A lamp that dims darkens all elements alike; a touch brightens a few. In every frame the elements are
+//! **Method.** A dimming lamp darkens all elements alike; a contact brightens a few. In every frame the elements are
 //! sorted by `G / G_0`. The darkest group of at least a quarter of the elements that agree within a tolerance is
 //! considered untouched, because pressing only brightens and touched elements rarely agree so closely. The group's
 //! mean, low-pass filtered, is the common gain; `G` is divided by it. An element of that group whose centroid has not
 //! moved either is considered unloaded; its offsets in gain and centroid are slowly re-zeroed within bounds.
 //!
-//! **Limitations.** If more than three quarters of the elements are touched, or no quarter agrees (such as dirt on
-//! most of them), the last gain is kept and further changes of the lamp count as force. If a quarter or more are
-//! pressed equally and all others harder, that quarter is considered untouched. An element that gets dirty while
-//! touched, or suddenly by more than the tolerance, is wrong until it is recalibrated. A press that is slower and
-//! weaker than the tolerances is re-zeroed like creep, up to the bounds. A sudden change of light is followed with
-//! the filter's delay.
+//! **Limitations.** If more than three quarters of the elements are touched, or no quarter agrees (for example because
+//! most are dirty), the last gain is kept and further changes of the lamp appear as force. If a quarter or more are
+//! pressed equally and all others harder, that quarter is considered untouched. The reading of an element that gets
+//! dirty while touched, or suddenly by more than the tolerance, is wrong until it is recalibrated. A press that is
+//! slower and weaker than the tolerances is re-zeroed like creep, up to the bounds. A sudden change of light is
+//! compensated with the filter's delay.
 
 use crate::check::Checker;
 use crate::sensor::calibration::model::Calibration;
@@ -19,11 +19,11 @@ use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// Parameters for distinguishing drift from touch.
+/// Parameters for distinguishing drift from contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DriftConfig {
-    /// Maximum difference of `G / G_0` among untouched elements, as a fraction; about ten times its noise.
+    /// Maximum difference of `G / G_0` among untouched elements; about ten times its noise.
     pub tolerance: f64,
     /// Maximum displacement of the centroid from its offset for an element to count as unmoved, as a fraction of the
     /// calibration's range of displacements.
@@ -67,7 +67,7 @@ struct Rest {
     calibrated_gray: f64,
     /// Centroid without load at calibration.
     calibrated_centroid: DVec2,
-    /// Maximum displacement for the element to count as unmoved, m (or px).
+    /// Maximum displacement for the element to count as not moved, m (or px).
     unmoved: f64,
     /// `G / G_0` relative to the common gain.
     gain: f64,
@@ -75,7 +75,7 @@ struct Rest {
     displacement: DVec2,
 }
 
-/// Maximum correction of an element's own gain.
+/// Maximum correction of the gain of a single element.
 const LARGEST_OWN_GAIN: f64 = 0.05;
 
 /// Stage between moments and calibration that removes drift; see the module documentation.
@@ -145,7 +145,7 @@ impl DriftCorrection {
 }
 
 impl Rest {
-    /// Moves the offsets towards the current moments if the element is certainly untouched.
+    /// Moves the element's offsets towards the current moments if it is certainly untouched.
     fn rezero(&mut self, moments: &ElementMoments, gain: f64, config: &DriftConfig) {
         let own = moments.integrated_gray / (self.calibrated_gray * gain);
         let displacement = moments.centroid - self.calibrated_centroid;
@@ -161,7 +161,8 @@ impl Rest {
     }
 }
 
-/// Mean of the first run of at least a quarter of the `rising` ratios that lie within `tolerance` of each other.
+/// Mean of the first group of ratios that agree within `tolerance` and are at least a quarter of all. `rising` are the
+/// ratios in increasing order. `None` if there is no such group.
 fn untouched_gain(rising: &[f64], tolerance: f64) -> Option<f64> {
     let least = rising.len().div_ceil(4).max(1);
     let start = (rising.windows(least)).position(|window| match window {
@@ -178,7 +179,7 @@ fn untouched_gain(rising: &[f64], tolerance: f64) -> Option<f64> {
     Some(sum / count)
 }
 
-/// Returns whether two ratios in increasing order belong to elements in the same light. Dark elements never do.
+/// Returns whether two ratios in increasing order are within the tolerance; always `false` for dark elements.
 fn agree(low: f64, high: f64, tolerance: f64) -> bool {
     /// Minimum gain of a working lamp; below, the image is dark.
     const DARK: f64 = 0.3;

@@ -1,4 +1,4 @@
-//! Checks that an image may be of a fingertip, loaded or not.
+//! Checks whether an image is plausibly of a fingertip, loaded or not.
 
 use crate::sensor::calibration::element::ForceValidity;
 use crate::sensor::calibration::model::Calibration;
@@ -7,8 +7,8 @@ use crate::sensor::image::subregion::WeightedPixel;
 use crate::sensor::moments::kernel::ElementMoments;
 use std::fmt;
 
-/// Minimum fraction of elements whose moments are within the calibration's range. In images of a fingertip, pressed
-/// or not, nearly all elements are; in other images, only by chance.
+/// Minimum fraction of elements whose moments are within the calibration's range. In images of a fingertip, pressed or
+/// not, this is nearly 1; in other images, elements are within the range only by chance.
 const MIN_ALIKE: f64 = 0.8;
 
 /// Maximum mean brightness between the sub-regions relative to that within them. It is about 0 for a fingertip and 1
@@ -27,8 +27,8 @@ pub struct Likeness {
 }
 
 impl Likeness {
-    /// Compares `picture` and its `moments` with the fingertip for which `calibration` was made. `regions` are the
-    /// pixels of its elements and `dark_level` is the grey level of the background.
+    /// Compares `picture` and its `moments` with the fingertip of `calibration`. `regions` are the pixels of its
+    /// elements, `dark_level` is the gray level of the background.
     pub fn of(
         picture: &Picture,
         moments: &[ElementMoments],
@@ -46,7 +46,7 @@ impl Likeness {
         }
     }
 
-    /// Returns whether the image may be of the fingertip.
+    /// Returns whether the image is similar enough to be of the fingertip.
     pub fn is_enough(&self) -> bool {
         self.alike as f64 >= MIN_ALIKE * self.elements as f64 && self.between <= MAX_BETWEEN
     }

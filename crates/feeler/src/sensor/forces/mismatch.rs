@@ -3,8 +3,8 @@
 use crate::sensor::calibration::element::ElementCalibration;
 use crate::sensor::moments::kernel::ElementMoments;
 
-/// Maximum deviation of an unloaded element, as a fraction of the range of the calibration's loads: equivalent to a
-/// twentieth of full scale.
+/// Maximum deviation of an unloaded element's moments, as a fraction of the range of the calibration's loads:
+/// equivalent to a twentieth of full scale.
 const TOLERANCE: f64 = 0.05;
 
 /// The first images do not match the calibration.
@@ -13,24 +13,25 @@ const TOLERANCE: f64 = 0.05;
     "the images do not match the calibration: {off} of {lit} elements differ from their unloaded state. Expected the calibrated fingertip, untouched at the start; this may be another fingertip, or its camera is swapped with another"
 )]
 pub struct Mismatch {
-    /// Number of elements that differ.
+    /// Number of elements that differ from their unloaded state.
     pub off: usize,
     /// Number of elements that are neither dark nor saturated.
     pub lit: usize,
 }
 
-/// Checks images until the first conclusive one.
+/// Compares images with the calibrated unloaded state until one of them is conclusive.
 ///
-/// An object touches at most half of a dome's elements. If more differ in position or brightness, the image is of
-/// another fingertip. Starting while a finger grasps an object is therefore possible.
+/// An object touches at most half of a dome's elements. If more than half deviate in position or brightness, the image
+/// is of another fingertip. A finger may therefore grasp an object at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(in crate::sensor) struct MountingCheck {
     seen: bool,
 }
 
 impl MountingCheck {
-    /// Checks an image, unless an earlier one was conclusive. `lit` are the calibration and moments of each
-    /// well-exposed element, out of `elements` in total. An image in which fewer than half are lit is inconclusive.
+    /// Checks an image, unless an earlier one was conclusive. `lit` yields the calibration and moments of each
+    /// well-exposed element; `elements` is the total number. An image is inconclusive if fewer than half of the
+    /// elements are well exposed.
     pub fn check<'a>(
         &mut self,
         elements: usize,

@@ -1,4 +1,4 @@
-//! From moments to forces: the sensing chain, tactile frames, drift correction.
+//! Computation of forces from moments: sensing chain, tactile frames, drift correction.
 
 pub(crate) mod drift;
 pub(crate) mod likeness;

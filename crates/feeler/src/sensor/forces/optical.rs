@@ -21,7 +21,7 @@ pub struct OpticalSensor<C> {
 }
 
 impl<C: Camera> OpticalSensor<C> {
-    /// Creates a sensor of `fingertip` with images from `camera`.
+    /// Creates a sensor for `fingertip` with images from `camera`.
     ///
     /// # Errors
     /// If the fingertip is invalid, or `calibration` was made for another one.
@@ -49,27 +49,27 @@ impl<C: Camera> OpticalSensor<C> {
         }
     }
 
-    /// Camera.
+    /// Camera that supplies the images.
     pub fn camera(&self) -> &C {
         &self.camera
     }
 
-    /// Mutable camera, to configure it or to advance a simulated one.
+    /// Mutable access to the camera, to configure it or to advance a simulated one.
     pub fn camera_mut(&mut self) -> &mut C {
         &mut self.camera
     }
 
-    /// Frame of the last reading.
+    /// Image of the latest reading.
     pub fn frame(&self) -> &Frame {
         &self.frame
     }
 
-    /// Moments of the last reading, one per element, after drift correction if enabled.
+    /// Moments of the latest reading, one per element, after drift correction if enabled.
     pub fn moments(&self) -> &[ElementMoments] {
         self.sensing.moments()
     }
 
-    /// Validity of the last reading's force at each element. Does not allocate.
+    /// Validity of the latest reading's force at each element. Does not allocate.
     pub fn validity(&self) -> impl Iterator<Item = ForceValidity> {
         self.sensing.validity()
     }

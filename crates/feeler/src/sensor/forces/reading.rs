@@ -10,7 +10,7 @@ use glam::DVec3;
 /// calculations.
 pub const NO_FORCE: DVec3 = DVec3::NAN;
 
-/// Forces on all sensing elements of one fingertip at one time.
+/// Forces on all sensing elements of one fingertip, measured at one time.
 ///
 /// Allocated once with [`TactileFrame::unloaded`] and reused.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,12 +66,12 @@ pub enum SensorError {
     /// The moments of the camera's image cannot be computed.
     #[error(transparent)]
     Moments(#[from] MomentsError),
-    /// The tactile frame to fill has another number of elements.
+    /// The tactile frame to fill does not have the sensor's number of elements.
     #[error("expected a tactile frame of {expected} elements like the sensor, got {actual}")]
     ElementCount {
-        /// Elements of the sensor.
+        /// Number of elements of the sensor.
         expected: usize,
-        /// Elements of the frame to fill.
+        /// Number of elements of the frame to fill.
         actual: usize,
     },
     /// The table of readings cannot be read.
@@ -83,7 +83,7 @@ pub enum SensorError {
     /// There are no further readings (end of a recording).
     #[error("no tactile frame after the {count} in the recording")]
     Ended {
-        /// Number of readings.
+        /// Number of readings delivered.
         count: u64,
     },
 }

@@ -1,5 +1,5 @@
-//! Sensing of images: integrated gray value, displacement of the centroid and, with a calibration, the force on each
-//! element, with their validity.
+//! Sensing chain: computes integrated gray values, displacements of centroids and, with a calibration, forces from
+//! images, with their validity.
 
 use super::drift::{DriftConfig, DriftCorrection};
 use super::mismatch::{Mismatch, MountingCheck};
@@ -17,7 +17,7 @@ use crate::sensor::moments::kernel::{ElementMoments, MomentsKernel};
 use crate::sensor::track::{MarkerTracker, TrackError, TrackedMarker};
 use glam::{DVec2, DVec3};
 
-/// Error of sensing.
+/// Error of a sensing chain.
 #[derive(Debug, thiserror::Error)]
 pub enum SensingError {
     /// The fingertip is invalid.
@@ -32,19 +32,19 @@ pub enum SensingError {
     /// The calibration cannot be used with this sensor.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// A number of elements does not match the sensor.
+    /// The number of elements in an argument does not match the sensor.
     #[error("expected {what} for {expected} elements, got {actual}")]
     ElementCount {
-        /// Items that were counted.
+        /// Name of the counted items.
         what: &'static str,
-        /// Elements of the sensor.
+        /// Number of elements of the sensor.
         expected: usize,
-        /// Number found.
+        /// Number of items found.
         actual: usize,
     },
 }
 
-/// Measurement of one element in one image.
+/// Measurements of one element in one image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ElementReading {
     /// Integrated gray value G, grey levels times m² (px² for a layout in the image plane).
@@ -62,7 +62,7 @@ pub struct ElementReading {
 }
 
 impl From<&TrackedMarker> for ElementReading {
-    /// Reading of a marker; a lost one is a dark element.
+    /// Converts a marker to a reading; a lost marker becomes a dark element.
     fn from(marker: &TrackedMarker) -> Self {
         match marker.confidence > 0.0 {
             true => Self::of_marker(marker),
@@ -76,7 +76,7 @@ impl From<&TrackedMarker> for ElementReading {
 }
 
 impl ElementReading {
-    /// Reading of a marker at its measured or, if it is lost, predicted position.
+    /// Converts a marker to a reading at its measured or, if it is lost, predicted position.
     fn of_marker(marker: &TrackedMarker) -> Self {
         Self {
             integrated_gray: marker.integrated_gray,
@@ -91,12 +91,12 @@ impl ElementReading {
 /// Unloaded centroids, from which displacements are measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// Unloaded centroid c_0 of each element, m (px) in its plane; `None` for an element that was always dark.
+    /// Unloaded centroid c_0 of each element, m (px) in its plane; `None` if the element was dark in all readings.
     pub centroids: Vec<Option<DVec2>>,
 }
 
 impl Reference {
-    /// Averages the centroids in several readings of an unloaded sensor, each with all elements.
+    /// Averages the centroids of several readings of an unloaded sensor. Each reading contains all elements.
     pub fn from_readings<'a>(readings: impl IntoIterator<Item = &'a [ElementReading]>) -> Self {
         let mut sums: Vec<(DVec2, f64)> = Vec::new();
         for readings in readings {
@@ -114,7 +114,7 @@ impl Reference {
         }
     }
 
-    /// Sets the displacements in `readings` from their centroids.
+    /// Computes the displacements in `readings` from their centroids.
     pub fn apply(&self, readings: &mut [ElementReading]) {
         for (reading, unloaded) in readings.iter_mut().zip(&self.centroids) {
             reading.displacement = match (reading.centroid, unloaded) {
@@ -136,12 +136,13 @@ pub struct SensingChain {
     calibration: Option<Calibration>,
     drift: Option<DriftCorrection>,
     first_picture: MountingCheck,
-    /// Tracker of the elements' markers, or `None` to compute moments of sub-regions.
+    /// Marker tracker, or `None` to compute moments of sub-regions.
     tracker: Option<MarkerTracker>,
 }
 
 impl SensingChain {
-    /// Creates a chain with `kernel`, which was built from `regions` for images of `size` (columns, rows) px.
+    /// Creates a chain from `kernel`, which must have been built from `regions`, for images of `size` (columns, rows)
+    /// px.
     ///
     /// A fraction `max_saturated` (0 to 1) of a sub-region's pixels may be saturated, see [`DEFAULT_MAX_SATURATED`].
     ///
@@ -181,8 +182,8 @@ impl SensingChain {
         Self::new(size, kernel, &regions, DEFAULT_MAX_SATURATED)
     }
 
-    /// Adds forces by `calibration`, and displacements from its unloaded centroids. The caller must check that the
-    /// calibration was made for this sensor ([`Calibration::verify_target`]).
+    /// Enables forces, computed with `calibration`, and displacements, relative to its unloaded centroids. The caller
+    /// must check that the calibration was made for this sensor ([`Calibration::verify_target`]).
     ///
     /// # Errors
     /// If the calibration has another number of elements.
@@ -296,7 +297,7 @@ impl SensingChain {
         Ok(())
     }
 
-    /// Sets the displacements in `readings` if there is a reference.
+    /// Computes the displacements in `readings` if there is a reference.
     fn apply_reference(&self, readings: &mut [ElementReading]) {
         if let Some(reference) = &self.reference {
             reference.apply(readings);
@@ -325,8 +326,8 @@ impl SensingChain {
         Ok(())
     }
 
-    /// Checks that `picture`, the last image sensed, matches the calibrated fingertip, until the first conclusive
-    /// image. All images pass without a calibration. Neither allocates nor panics.
+    /// Checks that `picture`, the last image sensed, matches the calibrated fingertip. Returns `Ok` without a check
+    /// after the first conclusive image, or if there is no calibration. Neither allocates nor panics.
     ///
     /// # Errors
     /// If more than half of the elements differ from their unloaded state.
@@ -343,12 +344,12 @@ impl SensingChain {
         checked
     }
 
-    /// Moments of the last image, one per element, after drift correction if enabled.
+    /// Moments of the latest image, one per element, after drift correction if enabled.
     pub fn moments(&self) -> &[ElementMoments] {
         &self.moments
     }
 
-    /// Validity of the force at each element in the last image; empty without a calibration. Does not allocate.
+    /// Validity of the force at each element in the latest image; empty without a calibration. Does not allocate.
     pub fn validity(&self) -> impl Iterator<Item = ForceValidity> {
         let calibration = self.calibration.iter();
         let elements = calibration.flat_map(|calibration| &calibration.elements);
@@ -384,15 +385,15 @@ impl SensingChain {
         }
     }
 
-    /// Force at `element`, N, if it is valid. Validity is decided only here.
+    /// Force at `element`, N; `None` if it is invalid. This is the only place where validity is decided.
     fn force(&self, element: usize, moments: &ElementMoments, exposure: Exposure) -> Option<DVec3> {
         let calibration = self.calibration.as_ref()?.elements.get(element)?;
         (exposure == Exposure::Good).then(|| calibration.force(moments))
     }
 }
 
-/// Fills `readings` with the markers in `picture`. If at most a tenth of them are lost, these get the positions that their
-/// neighbours predict, and the mean integrated gray value; otherwise they are dark.
+/// Fills `readings` with the markers in `picture`. If at most a tenth of the markers are lost, they get the positions
+/// predicted from their neighbours and the mean integrated gray value; otherwise they are dark.
 fn match_markers<P: AsRef<[u8]>>(
     tracker: &mut MarkerTracker,
     picture: &Picture<P>,

@@ -1,4 +1,4 @@
-//! Interface between sources of images and the sensor.
+//! Interface between image sources and sensors.
 
 use super::frame::Frame;
 use std::time::Duration;
@@ -27,21 +27,21 @@ pub enum CameraError {
     PictureSize {
         /// Name of the image.
         name: String,
-        /// Expected columns, px.
+        /// Expected width, px.
         expected_width: usize,
-        /// Expected rows, px.
+        /// Expected height, px.
         expected_height: usize,
         /// Columns of the image, px.
         width: usize,
         /// Rows of the image, px.
         height: usize,
     },
-    /// One image is lost; the next may be valid.
+    /// An image cannot be read; the next one may be valid.
     #[error("{name}: {reason}")]
     Unreadable {
         /// Name of the image.
         name: String,
-        /// Description with the expected and the actual value.
+        /// Reason, with the expected and the actual value.
         reason: String,
     },
     /// The camera has failed and delivers no further images.
@@ -56,20 +56,20 @@ pub enum CameraError {
 }
 
 impl CameraError {
-    /// Returns whether only one image is lost and the next may be valid.
+    /// Returns whether only one image is lost and the next one may be valid.
     pub fn is_recoverable(&self) -> bool {
         matches!(self, Self::Unreadable { .. } | Self::PictureSize { .. })
     }
 }
 
-/// Information about a capture besides the image. `None` if the camera does not report it.
+/// Additional information about a capture; fields are `None` if the camera does not report them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CaptureReport {
     /// Number of bytes received from the device.
     pub bytes: Option<usize>,
-    /// Duration of decoding.
+    /// Duration of decoding the image.
     pub decoding: Option<Duration>,
-    /// Problem of the camera that does not affect the image. Reported once.
+    /// Camera problem that does not affect the image; reported once.
     pub warning: Option<String>,
 }
 
@@ -83,7 +83,7 @@ pub trait Camera {
     /// numbers indicates the missing one.
     fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError>;
 
-    /// Takes the report of the latest image.
+    /// Returns and resets the report on the latest image.
     fn take_report(&mut self) -> CaptureReport {
         CaptureReport::default()
     }

@@ -10,7 +10,7 @@ const POINTS_PER_CELL: f64 = 2.0;
 pub(crate) struct Cells<'a> {
     points: &'a [DVec2],
     low: DVec2,
-    /// Side of a cell, in the unit of the points.
+    /// Side length of a cell, in the unit of the points.
     side: f64,
     columns: usize,
     rows: usize,
@@ -47,7 +47,7 @@ impl<'a> Cells<'a> {
         cells
     }
 
-    /// Fills `starts` and `order`.
+    /// Sorts the points into the cells by filling `starts` and `order`.
     fn sort(&mut self) {
         let mut starts = vec![0; self.columns * self.rows + 1];
         let cells: Vec<usize> = self.points.iter().map(|point| self.cell(*point)).collect();
@@ -65,7 +65,7 @@ impl<'a> Cells<'a> {
         self.starts = starts;
     }
 
-    /// Column and row of the cell nearest to a place.
+    /// Column and row of the cell nearest to the point `place`.
     fn column_and_row(&self, place: DVec2) -> (usize, usize) {
         // Casts to usize saturate at 0.
         let cell = (place - self.low) / self.side;
@@ -91,7 +91,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// Indices of the points within `radius` of a place, in unspecified order.
+    /// Indices of the points within `radius` of the point `place`, in unspecified order.
     pub fn within(&self, place: DVec2, radius: f64) -> impl Iterator<Item = usize> + '_ {
         let first = self.column_and_row(place - radius);
         let last = self.column_and_row(place + radius);
@@ -100,8 +100,8 @@ impl<'a> Cells<'a> {
         self.in_block(first, last).filter(near)
     }
 
-    /// Replaces the contents of `nearest` by the squared distances and indices of the `count` points nearest to a
-    /// place, in order of distance and, for equal distances, of index.
+    /// Replaces the contents of `nearest` with the squared distances and indices of the `count` points nearest to
+    /// `place`, sorted by distance and, for equal distances, by index.
     pub fn nearest(&self, place: DVec2, count: usize, nearest: &mut Vec<(f64, usize)>) {
         let (column, row) = self.column_and_row(place);
         let mut reach = (count as f64 / POINTS_PER_CELL).sqrt() as usize / 2;
@@ -130,7 +130,7 @@ impl<'a> Cells<'a> {
         nearest.sort_unstable_by(by_distance);
     }
 
-    /// Lower bound of the distance from a place to points outside the cells from `first` to `last`; infinite if these
+    /// Lower bound of the distance from `place` to points outside the cells from `first` to `last`; infinite if these
     /// are all cells.
     fn distance_out_of(&self, first: (usize, usize), last: (usize, usize), place: DVec2) -> f64 {
         let offset = place - self.low;

@@ -3,14 +3,14 @@
 use serde::Serialize;
 use toml::Value;
 
-/// A value that differs.
+/// First value that differs between two configurations, `left` and `right`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(in crate::sensor) struct Difference {
     /// Key of the value, as in `rings[1].elements`.
     pub key: String,
-    /// Value on the left side.
+    /// Value in `left`, as text.
     pub left: String,
-    /// Value on the right side.
+    /// Value in `right`, as text.
     pub right: String,
 }
 
@@ -23,7 +23,7 @@ pub(in crate::sensor) fn first_difference<T: Serialize>(left: &T, right: &T) -> 
     }
 }
 
-/// Descends into tables and arrays that both sides have.
+/// Descends recursively into tables and arrays that are present on both sides.
 fn descend(key: String, left: Option<&Value>, right: Option<&Value>) -> Difference {
     match (left, right) {
         (Some(Value::Table(a)), Some(Value::Table(b))) => {

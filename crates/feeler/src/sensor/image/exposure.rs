@@ -1,4 +1,4 @@
-//! Detection of sub-regions whose exposure makes the moments unusable.
+//! Detection of sub-regions that are too dark or saturated for valid moments.
 
 use super::{frame::Picture, subregion::WeightedPixel};
 use multiversion::multiversion;
@@ -6,8 +6,8 @@ use multiversion::multiversion;
 /// Gray value of a saturated pixel, which only means "at least this bright".
 pub const SATURATED: u8 = 255;
 
-/// Default maximum fraction of saturated pixels in a sub-region with valid moments. A few hot pixels do no harm. The
-/// bright spots of an unloaded element alone fill several percent of its sub-region.
+/// Default maximum fraction of saturated pixels in a sub-region with valid moments. A few hot pixels are harmless. The
+/// bright spots of an unloaded element fill several percent of its sub-region.
 pub const DEFAULT_MAX_SATURATED: f64 = 0.01;
 
 /// Exposure of a sub-region.
@@ -27,7 +27,7 @@ pub enum Exposure {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SaturationCheck {
     elements: Vec<Region>,
-    /// Gray value of a saturated pixel.
+    /// Gray value that counts as saturated.
     limit: u8,
 }
 
@@ -35,13 +35,14 @@ pub struct SaturationCheck {
 struct Region {
     /// First pixel and length of each contiguous span of a row.
     spans: Vec<(usize, usize)>,
-    /// Start of each block of pixels. The blocks cover all spans, may overlap, and may include pixels outside.
+    /// Start of each block of pixels. The blocks cover all spans, may overlap, and may include pixels outside the
+    /// region.
     blocks: Vec<usize>,
-    /// Maximum number of saturated pixels.
+    /// Maximum number of saturated pixels allowed.
     allowed: usize,
 }
 
-/// Number of pixels that are compared at once.
+/// Number of pixels compared at once.
 const BLOCK: usize = 32;
 
 impl Region {
@@ -59,7 +60,7 @@ impl Region {
         }
     }
 
-    /// Number of saturated pixels.
+    /// Exact number of saturated pixels.
     fn count(&self, pixels: &[u8], limit: u8) -> usize {
         let of_span = |&(start, length): &(usize, usize)| {
             let pixels = pixels.get(start..start + length).unwrap_or(&[]);
@@ -69,8 +70,8 @@ impl Region {
     }
 }
 
-/// Upper bound of the number of saturated pixels in the region of `blocks`. Faster than the exact count; uses the
-/// widest available instructions.
+/// Upper bound of the number of saturated pixels in `blocks`. Faster than the exact count; uses the widest available
+/// vector instructions.
 #[multiversion(targets("x86_64+avx2"))]
 fn at_most(blocks: &[usize], pixels: &[u8], limit: u8) -> usize {
     let mut count = 0;
@@ -105,7 +106,7 @@ impl SaturationCheck {
         }
     }
 
-    /// Checks for black pixels instead, which only mean "at least this dark" in dark elements.
+    /// Returns a check that counts black pixels instead, which only mean "at least this dark" in dark elements.
     #[must_use]
     pub fn of_dark_elements(self) -> Self {
         Self { limit: 0, ..self }

@@ -1,4 +1,4 @@
-//! Division of loads into folds for cross-validation.
+//! Division of calibration loads into folds for cross-validation.
 
 use glam::DVec3;
 use std::collections::HashMap;
@@ -6,17 +6,17 @@ use std::collections::HashMap;
 /// Number of folds.
 const FOLDS: usize = 5;
 
-/// Loads divided into five folds. The division is deterministic.
+/// Loads divided into five folds for cross-validation. The division is deterministic.
 ///
 /// Equal forces are in the same fold, because predicting a force that is part of the fit would not be a test.
-/// Neighbours in the order of loading are distributed over the folds, so that no sweep is left out as a whole.
+/// Consecutive loads are distributed over the folds, so that no fold contains an entire sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::sensor) struct Folds {
     fold_of: Vec<usize>,
 }
 
 impl Folds {
-    /// Divides loads with these forces.
+    /// Distributes the loads with these forces over the folds.
     pub(in crate::sensor) fn new(forces: &[DVec3]) -> Self {
         let mut groups: HashMap<[u64; 3], usize> = HashMap::new();
         let group_of: Vec<_> = (forces.iter())
@@ -44,12 +44,12 @@ impl Folds {
         0..FOLDS
     }
 
-    /// Loads of a fold.
+    /// Indices of the loads in a fold.
     pub(in crate::sensor) fn own(&self, fold: usize) -> Vec<usize> {
         self.rows(|other| other == fold)
     }
 
-    /// Loads of all other folds.
+    /// Indices of the loads in all other folds.
     pub(in crate::sensor) fn others(&self, fold: usize) -> Vec<usize> {
         self.rows(|other| other != fold)
     }

@@ -1,12 +1,12 @@
-//! Greyscale images with their exposure times.
+//! Grayscale images with their exposure times.
 
 /// An 8-bit greyscale image from a fingertip's camera, row by row from the top left. The pixels are owned, or
 /// borrowed as in `Picture<&[u8]>`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Picture<P = Vec<u8>> {
-    /// Columns, px.
+    /// Width, px.
     pub width: usize,
-    /// Rows, px.
+    /// Height, px.
     pub height: usize,
     /// Grey values, row-major, `width * height` in number; 0 is dark, 255 saturated.
     pub pixels: P,
@@ -28,7 +28,7 @@ impl Picture {
 /// Frames are allocated once and reused, so that sensing does not allocate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Sequence number of the exposure, from 0; a gap means dropped frames.
+    /// Sequence number of the exposure, from 0; a gap indicates dropped frames.
     pub sequence: u64,
     /// Time of exposure by the camera's clock, s (simulated time in a simulation).
     pub stamp: f64,

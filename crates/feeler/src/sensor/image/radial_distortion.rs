@@ -1,19 +1,20 @@
 //! Radial lens distortion.
 
-/// Maximum number of iterations: twice the digits of an `f64`, and as many again for a bracket of 2^64 slopes.
+/// Maximum number of iterations: twice the digits of an `f64`, and as many again for a bracket of 2^64.
 const MAX_STEPS: usize = 256;
 
-/// Distortion `r -> r (1 + k1 r^2 + k2 r^4)`, used where it is increasing.
+/// Radial distortion `r -> r (1 + k1 r^2 + k2 r^4)` of the slope `r` (tangent of the angle between ray and optical
+/// axis), used where it is increasing.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::sensor) struct RadialDistortion {
     k1: f64,
     k2: f64,
-    /// Slope up to which the distorted radius increases; infinite if it always does.
+    /// Slope at which the distorted radius stops increasing; infinite if it always increases.
     fold: f64,
 }
 
 impl RadialDistortion {
-    /// Creates a distortion with these coefficients.
+    /// Creates a distortion with the coefficients `k1` and `k2`.
     pub(in crate::sensor) fn new(k1: f64, k2: f64) -> Self {
         // The smallest positive root s = r^2 of 1 + 3 k1 s + 5 k2 s^2, as 2c / (-b + sqrt(..)).
         let discriminant = 9.0 * k1 * k1 - 20.0 * k2;
@@ -27,7 +28,7 @@ impl RadialDistortion {
         Self { k1, k2, fold }
     }
 
-    /// Ratio of distorted to undistorted radius at slope `r`; `None` beyond the increasing part.
+    /// Ratio of distorted to undistorted radius of a ray with slope `r`; `None` beyond the increasing part.
     pub(in crate::sensor) fn scale(&self, r: f64) -> Option<f64> {
         let s = r * r;
         (r < self.fold).then_some(1.0 + s * (self.k1 + s * self.k2))
@@ -69,7 +70,8 @@ impl RadialDistortion {
         None
     }
 
-    /// Slope whose distorted radius is at least `distorted`.
+    /// Upper bound of the undistorted slope: a slope whose distorted radius is at least `distorted`. `None` if there is
+    /// no such slope.
     fn bracket(&self, distorted: f64) -> Option<f64> {
         let radius = |r: f64| r * (1.0 + r * r * (self.k1 + r * r * self.k2));
         if self.fold.is_finite() {

@@ -7,7 +7,7 @@ use crate::sensor::moments::config::{MomentsConfig, MomentsError};
 use glam::DVec2;
 use std::{f64::consts::TAU, ops::Range};
 
-/// A pixel of a sub-region with its weights.
+/// A pixel of a sub-region with its area and position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightedPixel {
     /// Column in the image.
@@ -16,7 +16,7 @@ pub struct WeightedPixel {
     pub row: usize,
     /// Area `w` covered by the pixel in the element's tangent plane, m² (or px² in the image plane).
     pub area: f64,
-    /// Position in that plane, m (or px).
+    /// Position of the pixel in that plane, m (or px).
     pub point: DVec2,
 }
 
@@ -41,8 +41,8 @@ pub fn subregions(
         .collect()
 }
 
-/// Dewarped pixels within `radius` (m) of the axis of `element` and nearer to it than to any other element, sorted by
-/// row and then by column.
+/// Pixels within `radius` (m) of the axis of `element` and nearer to it than to any other element, dewarped and sorted
+/// by row and then by column.
 ///
 /// # Errors
 /// If the sub-region is not completely within the image.
@@ -67,7 +67,7 @@ pub fn subregion(
     Ok(own.collect())
 }
 
-/// Area and position in the tangent plane of `element` if the pixel belongs to it.
+/// Area and position of a pixel in the tangent plane of `element`; `None` if it does not belong to that element.
 fn own_pixel(
     layout: &ElementLayout,
     projection: &DomeProjection,

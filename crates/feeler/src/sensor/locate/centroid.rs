@@ -1,4 +1,4 @@
-//! Measures a spot from its pixels: centroid, size, contrast and whether the image border cuts it.
+//! Measures a spot from its pixels: centroid, diameter, contrast, and whether it is cut by the image border.
 
 use super::{quantile, reference::ReferencePicture, spot::Spot};
 use crate::sensor::calibration::least_squares::outer;
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 /// background, which may be sloped; above the second it belongs to the spot fully, despite highlights.
 const COUNTED: (f64, f64) = (0.2, 0.9);
 
-/// Pixels around a spot count as background up to this fraction of its contrast.
+/// Maximum gray level of background pixels around a spot, as a fraction of its contrast.
 const GROUND: f64 = 0.3;
 
 /// Properties of a spot measured from its pixels.
@@ -17,9 +17,9 @@ const GROUND: f64 = 0.3;
 pub(super) struct Measured {
     /// Column and row of the centroid, px.
     pub centre: DVec2,
-    /// Diameter of the disc that has the spot's weighted area, px.
+    /// Diameter of the disc with the same weighted area as the spot, px.
     pub diameter: f64,
-    /// Gray levels above the local background.
+    /// Gray levels of the spot above the local background.
     pub contrast: f64,
     /// `true` if the spot reaches the image border.
     pub cut: bool,
@@ -73,7 +73,7 @@ pub(super) fn measure(picture: &ReferencePicture, spot: &Spot, others: &[DVec2])
 struct Window {
     about: DVec2,
     size: DVec2,
-    /// Offset from `about` and gray level.
+    /// Offset from `about` and gray level of each pixel.
     pixels: Vec<(DVec2, f64)>,
 }
 
@@ -137,7 +137,8 @@ impl Window {
         })
     }
 
-    /// Fits a plane to the background by least squares: level at the window's centre and slopes along columns and rows.
+    /// Fits a plane to the background pixels by least squares. Returns the level at the window's centre and the slopes
+    /// along columns and rows.
     fn plane(&self, is_ground: impl Fn(f64, f64) -> bool) -> Option<DVec3> {
         let (mut normal, mut right, mut count) = (DMat3::ZERO, DVec3::ZERO, 0);
         for &(offset, gray) in self

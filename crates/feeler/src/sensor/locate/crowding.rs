@@ -1,11 +1,12 @@
-//! Spots that are too close to each other: overlapping blobs, the dots of one marker, and specks beside markers.
+//! Handles spots that are too close to each other: overlapping blobs, several blobs of one marker, and specks beside
+//! markers.
 
 use super::spot::Spot;
 use super::strays::{centres, gaps, kept};
 use super::{median_of, nearest};
 use crate::sensor::image::cells::Cells;
 
-/// Keeps the strongest of overlapping spots.
+/// Keeps only the strongest of overlapping spots.
 pub(super) fn without_overlaps(mut spots: Vec<Spot>) -> Vec<Spot> {
     spots.sort_by(|a, b| b.response.total_cmp(&a.response));
     let centres = centres(&spots);
@@ -29,7 +30,7 @@ pub(super) fn without_overlaps(mut spots: Vec<Spot>) -> Vec<Spot> {
     self::kept(&spots, &kept)
 }
 
-/// Maximum distance of two spots that are too close to each other, over the spacing around them.
+/// Maximum distance of two spots that count as too close, relative to the spacing around them.
 const CROWDED: f64 = 0.62;
 
 /// Maximum ratio of the responses of two comparable spots.
@@ -63,8 +64,8 @@ pub(super) fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
     kept(&spots, &keep)
 }
 
-/// Merges pairs of blobs of a single marker: much closer to each other than to all other spots, and without background
-/// between them according to `joined`.
+/// Merges pairs of blobs that belong to the same marker: much closer to each other than to all other spots, and without
+/// background between them according to `joined`.
 pub(super) fn with_merged_pairs(
     spots: Vec<Spot>,
     joined: impl Fn(&Spot, &Spot) -> bool,

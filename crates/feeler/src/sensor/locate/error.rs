@@ -17,9 +17,9 @@ pub enum LocateError {
     /// An image is too small.
     #[error("expected an image of at least {MIN_SIZE}x{MIN_SIZE} px, got {width}x{height} px")]
     TooSmall {
-        /// Columns, px.
+        /// Width of the image, px.
         width: usize,
-        /// Rows, px.
+        /// Height of the image, px.
         height: usize,
     },
     /// The size of an image differs from that of the first.
@@ -77,7 +77,7 @@ pub enum LocateError {
         /// Properties in which the spots differ from markers.
         unlike: Vec<Unlike>,
     },
-    /// There are too many spots for a sensor.
+    /// There are more spots than a sensor can have.
     #[error("expected at most {MAX_SPOTS} spots, got {actual}: does the image show a sensor?")]
     TooManySpots {
         /// Number of spots.

@@ -2,13 +2,14 @@
 
 use super::{Polarity, quantile, reference::ReferencePicture};
 
-/// Fraction of a dark marker's contrast up to which a pixel is background: a gel darkens where it is pressed.
+/// Fraction of a dark marker's contrast up to which a pixel counts as background, because a gel darkens where it is
+/// pressed.
 const SHADE: f64 = 0.35;
 
-/// Spread of background levels over the elements, in gray levels, up to which the light counts as even.
+/// Maximum spread of background levels over the elements, in gray levels, for the lighting to count as even.
 const EVEN: f64 = 20.0;
 
-/// Background around each element, measured in an image oriented such that elements are bright.
+/// Background around each element, measured in an image in which elements are bright.
 pub(super) struct Ground {
     polarity: Polarity,
     two_level: bool,
@@ -41,7 +42,8 @@ impl Ground {
         }
     }
 
-    /// Background level of each element, given the elements' contrasts. Under even light, bright elements share one.
+    /// Background level of each element, given the elements' contrasts. If the lighting is even, all bright elements
+    /// have the same level.
     pub fn of_elements(&self, contrasts: &[f64]) -> Vec<u8> {
         let quantile_of = |q: f64| quantile(&mut self.levels.clone(), q);
         let uneven = quantile_of(0.95) - quantile_of(0.05) > EVEN.max(8.0 * self.noise);
@@ -62,7 +64,8 @@ impl Ground {
         }
     }
 
-    /// Common background level, slightly above the background so that its noise does not add to the sums.
+    /// Common background level of all elements, slightly above the background so that its noise does not affect the
+    /// sums.
     pub fn of_all(&self, contrasts: &[f64]) -> u8 {
         if self.two_level {
             return 127;
@@ -75,7 +78,7 @@ impl Ground {
         self.gray(level + above.max(4.0 * self.noise))
     }
 
-    /// Converts a level of the oriented image to a gray value of the original image.
+    /// Converts a level to a gray value of the original image, which may be inverted.
     fn gray(&self, level: f64) -> u8 {
         match self.polarity {
             Polarity::Bright => level.ceil().min(254.0) as u8,

@@ -16,35 +16,36 @@ pub(super) struct Grouped {
     pub left_out: Vec<usize>,
 }
 
-/// Group sizes to search for.
+/// Numbers of spots per group to search for.
 const SIZES: std::ops::RangeInclusive<usize> = 3..=32;
 
-/// Maximum number of spots for which groups are searched.
+/// Maximum number of spots for which groups are searched; above it, each spot is one element.
 const MOST: usize = 2048;
 
-/// Minimum ratio of the distance from a group's centre to the nearest foreign spot and to its own farthest spot.
+/// Minimum clearance of a group: distance from its centre to the nearest spot of another group, relative to that of its
+/// farthest own spot.
 const CLEAR: f64 = 1.25;
 
-/// Fraction of all spots that groups of a single size must cover.
+/// Minimum fraction of all spots covered by groups of a single size.
 const COVERED: f64 = 0.7;
 
-/// Among group sizes that cover at least this fraction of the spots covered by the best size, the largest is chosen.
-/// Half groups can cover more spots than whole groups if some groups are incomplete.
+/// Among group sizes that cover at least this fraction of the spots covered by the best size, the largest is chosen. If
+/// some groups are incomplete, half groups can cover more spots than whole groups.
 const NEARLY: f64 = 0.9;
 
-/// Minimum median ratio of the distance to the nearest spot of another group to that of the nearest spot of the same
-/// group. For any partition of a lattice, the ratio is about one.
+/// Minimum separation of groups: median ratio of the distance to the nearest spot of another group to that of the
+/// nearest spot of the same group. For any partition of a lattice, it is about one.
 const APART: f64 = 1.25;
 
-/// Number of spots below which nine of ten must have the ratio [`APART`], not only half.
+/// Number of spots below which nine out of ten spots, not only half, must reach the ratio [`APART`].
 const SMALL: usize = 20;
 
-/// Maximum median size difference (natural logarithm) between neighbouring groups. Elements of a sensor have similar
-/// sizes; accidental clusters of scattered spots do not.
+/// Maximum median difference in size between neighbouring groups (natural logarithm of the ratio). Elements of a sensor
+/// have similar sizes; accidental clusters of scattered spots do not.
 const ALIKE: f64 = 0.12;
 
-/// Groups `spots` into elements: by `diameter` (px) if given, else into groups of a single size if there are such
-/// groups, else each spot is one element.
+/// Groups `spots` into elements: by `diameter` (px) if given, otherwise into groups of a single size if possible,
+/// otherwise one element per spot.
 pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
     let centres: Vec<DVec2> = spots.iter().map(|s| s.centre).collect();
     if let Some(diameter) = diameter {
@@ -74,15 +75,17 @@ pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
     }
 }
 
-/// A group with clearance to all other spots.
+/// A group of spots with clearance to all other spots.
 #[derive(Debug, Clone)]
 struct ClearGroup {
     members: Vec<usize>,
-    /// Distance from the group's centre to the nearest foreign spot over that to its own farthest spot.
+    /// Distance from the group's centre to the nearest spot of another group, relative to that of its farthest own
+    /// spot.
     clearance: f64,
 }
 
-/// Finds groups centred on midpoints of nearby pairs: the midpoint of two opposite spots is their group's centre.
+/// Finds candidate groups around the midpoints of pairs of nearby spots, because the midpoint of two opposite spots is
+/// the centre of their group.
 fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
     let cells = Cells::new(centres);
     let mut near = Vec::new();
@@ -116,7 +119,7 @@ fn near_pairs(centres: &[DVec2]) -> Vec<(usize, usize)> {
     pairs.filter(once).collect()
 }
 
-/// Groups of the spots nearest to `seed` that have enough clearance to the next spot.
+/// Groups of the spots nearest to `seed`, for all sizes for which the clearance to the next spot is sufficient.
 fn clear_about(seed: DVec2, cells: &Cells, near: &mut Vec<(f64, usize)>) -> Vec<ClearGroup> {
     cells.nearest(seed, SIZES.end() + 1, near);
     let clear = |size: usize| {
@@ -135,7 +138,7 @@ fn mean(members: &[usize], centres: &[DVec2]) -> DVec2 {
     members.iter().map(|&l| centres[l]).sum::<DVec2>() / members.len().max(1) as f64
 }
 
-/// Disjoint groups of `size` spots, chosen in order of decreasing clearance.
+/// Chooses disjoint groups of `size` spots in order of decreasing clearance.
 fn disjoint(clear: &[ClearGroup], size: usize, spots: usize) -> Vec<Vec<usize>> {
     let mut of_size: Vec<_> = clear.iter().filter(|g| g.members.len() == size).collect();
     of_size.sort_by(|a, b| b.clearance.total_cmp(&a.clearance));
@@ -158,7 +161,7 @@ fn singles(spots: usize) -> Grouped {
     }
 }
 
-/// The largest groups that fit within `diameter`.
+/// Groups spots into the largest clusters that fit within `diameter`.
 fn within(centres: &[DVec2], diameter: f64) -> Grouped {
     let tree = Tree::new(centres);
     // The centres of the spots lie inside the element's outline, which leaves some margin for perspective.
@@ -181,7 +184,7 @@ fn within(centres: &[DVec2], diameter: f64) -> Grouped {
     }
 }
 
-/// Separation of `groups`, to compare with [`APART`].
+/// Separation of `groups`, for comparison with [`APART`].
 fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let mut group_of = vec![usize::MAX; centres.len()];
     for (index, group) in groups.iter().enumerate() {
@@ -206,7 +209,7 @@ fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     quantile(&mut ratios, part)
 }
 
-/// Median size difference between neighbouring groups, to compare with [`ALIKE`].
+/// Median difference in size between neighbouring groups, for comparison with [`ALIKE`].
 fn unlike(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let middles: Vec<DVec2> = groups.iter().map(|group| mean(group, centres)).collect();
     let size = |(group, middle): (&Vec<usize>, &DVec2)| {
@@ -224,7 +227,7 @@ fn unlike(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     median(&mut off)
 }
 
-/// Adds groups of the remaining spots that fit within the same diameter: incomplete or merged groups.
+/// Adds groups formed by the remaining spots that fit within the same diameter: incomplete or merged groups.
 fn with_incomplete(mut groups: Vec<Vec<usize>>, centres: &[DVec2], size: usize) -> Grouped {
     let mut taken = vec![false; centres.len()];
     groups.iter().flatten().for_each(|&spot| taken[spot] = true);

@@ -44,7 +44,7 @@ use std::borrow::Cow;
 /// Minimum width and height of an image, px.
 pub const MIN_SIZE: usize = 16;
 
-/// Maximum number of spots; an image with more shows texture.
+/// Maximum number of spots; an image with more spots contains texture.
 pub const MAX_SPOTS: usize = 4096;
 
 /// Optional prior knowledge of the elements; missing values are estimated.
@@ -57,8 +57,8 @@ pub struct LocateConfig {
     /// Diameter of an element, px: spots that fit within it form one element. If `None`, spots are grouped only if they
     /// form groups of a single size.
     pub element_diameter_px: Option<f64>,
-    /// Radius of a sub-region over the distance to the nearest other element. The sub-region of a group of spots is
-    /// enlarged, if necessary, to contain all of them.
+    /// Radius of a sub-region relative to the distance to the nearest other element. The sub-region of a group of spots
+    /// is enlarged if necessary to contain all of them.
     pub region_radius: f64,
 }
 
@@ -83,7 +83,7 @@ pub struct LocatedElement {
     pub radius_px: f64,
     /// Columns and rows of the spots' centres, px.
     pub spots_px: Vec<DVec2>,
-    /// Background gray level. Pixels at or below it (dark elements: at or above it) do not belong to the element.
+    /// Background gray level. Pixels at or below it do not belong to the element (dark elements: at or above it).
     pub ground_level: u8,
 }
 
@@ -98,14 +98,14 @@ pub struct Located {
     pub elements: Vec<LocatedElement>,
     /// Median distance between an element and its nearest neighbour, px; 0 for a single element.
     pub spacing_px: f64,
-    /// Median diameter of the spots from their blob scale, px.
+    /// Median diameter of the spots derived from the blob scale, px.
     pub spot_diameter_px: f64,
-    /// Median diameter of the discs that have the spots' areas, px.
+    /// Median diameter of the discs with the same areas as the spots, px.
     pub spot_area_diameter_px: f64,
-    /// Number of spots per element: 1, or the size of the groups.
+    /// Number of spots per element: 1, or the typical number in a group.
     pub spots_per_element: usize,
-    /// Background gray level common to all elements, for even light: slightly above the background of bright elements,
-    /// slightly below that of dark ones.
+    /// Common background gray level of all elements, for even lighting: slightly above the background of bright
+    /// elements, slightly below that of dark ones.
     pub dark_level: u8,
     /// `true` if every pixel is black or white.
     pub two_level: bool,
@@ -113,7 +113,7 @@ pub struct Located {
     pub warnings: Vec<LocateWarning>,
 }
 
-/// Minimum diameter of a spot of known size after binning, px.
+/// Minimum diameter of a spot after binning, px, if its size is known.
 const MIN_DIAMETER: f64 = 5.0;
 
 /// Locates the elements in `reference`.
@@ -126,8 +126,8 @@ pub fn locate(reference: &ReferencePicture, config: &LocateConfig) -> Result<Loc
     located(reference, config, find(reference, config)?)
 }
 
-/// Locates the elements in another image of the sensor, given an earlier result `before`. Searches only spots of the
-/// same polarity and similar size, which takes less than half the time of [`locate`].
+/// Locates the elements in another image of the sensor, given an earlier result `before`. Searches only for spots of
+/// the same polarity and similar size, in less than half the time of [`locate`].
 ///
 /// # Errors
 /// See [`locate`].
@@ -147,7 +147,7 @@ pub fn locate_again(
     located(reference, config, find_binned(reference, &known, factor)?)
 }
 
-/// Assembles elements from the spots found.
+/// Creates the elements from the spots found.
 fn located(
     reference: &ReferencePicture,
     config: &LocateConfig,
@@ -177,7 +177,7 @@ fn located(
 /// Maximum number of pixels searched at full resolution; larger images are binned.
 const MAX_PIXELS: usize = 3_000_000;
 
-/// Finds the spots, with the configured polarity or else the one whose pattern scores higher.
+/// Finds the spots with the configured polarity or, if not configured, with the polarity whose pattern scores higher.
 fn find(
     reference: &ReferencePicture,
     config: &LocateConfig,

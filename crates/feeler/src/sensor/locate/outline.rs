@@ -1,19 +1,20 @@
-//! Extent of the connected bright pixels around a maximum.
+//! Size of the connected bright region around a maximum.
 
 use super::reference::ReferencePicture;
 use std::f64::consts::SQRT_2;
 
-/// Flood fill over bright pixels. Its buffers are reused for each maximum.
+/// Flood fill over bright pixels, with buffers that are reused for each maximum.
 #[derive(Debug, Default)]
 pub(super) struct Outline {
     /// Visited pixels of the square around the maximum, row by row.
     visited: Vec<bool>,
-    /// Column and row of each pixel yet to visit.
+    /// Columns and rows of the pixels to visit.
     open: Vec<(usize, usize)>,
 }
 
 impl Outline {
-    /// Returns `true` if the bright region around a maximum exceeds a spot of scale `sigma`, as a reflection does.
+    /// Returns `true` if the bright region around a maximum is larger than a spot of scale `sigma`, as for a
+    /// reflection.
     pub fn exceeds(&mut self, picture: &ReferencePicture, index: usize, sigma: f64) -> bool {
         let (width, height) = (picture.width, picture.height);
         let (column, row) = (index % width, index / width);

@@ -1,4 +1,4 @@
-//! Tests whether spots look like markers: evenly spaced and similar in size and contrast.
+//! Tests whether spots can be markers: evenly spaced and similar in size and contrast.
 
 use super::strays::{centres, gaps};
 use super::{median, median_of, nearest, spot::Spot};
@@ -6,12 +6,13 @@ use super::{median, median_of, nearest, spot::Spot};
 /// Minimum number of spots in a pattern.
 const FEWEST: usize = 6;
 
-/// Median deviation of spots from their six nearest neighbours, as logarithms of ratios; 0 for a perfect pattern.
+/// Irregularity of spots: median deviation from their six nearest neighbours, as logarithms of ratios; 0 for a perfect
+/// pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Regularity {
     /// Deviation of the distance to the nearest spot.
     pub spacing: f64,
-    /// Deviation of the diameter from the median of the nearest spots, as the logarithm of the ratio.
+    /// Deviation of the diameter from the median of the nearest spots.
     pub size: f64,
     /// Deviation of the contrast.
     pub contrast: f64,
@@ -36,33 +37,34 @@ fn regularity(spots: &[Spot]) -> Option<Regularity> {
     })
 }
 
-/// Score of `spots` as a pattern: their total contrast over the irregularity of their spacing.
+/// Score of `spots` as a pattern: total contrast divided by the irregularity of the spacing.
 pub(super) fn score(spots: &[Spot]) -> f64 {
-    /// Spacing irregularity assumed for too few spots: that of scattered points.
+    /// Irregularity of the spacing assumed if there are too few spots: that of scattered points.
     const UNKNOWN: f64 = 0.3;
     let spacing = regularity(spots).map_or(UNKNOWN, |regularity| regularity.spacing);
     spots.iter().map(|spot| spot.contrast).sum::<f64>() / (0.05 + spacing)
 }
 
-/// A property in which spots differ from markers, with the measured value.
+/// Property by which spots are not a regular pattern of markers, with the measured value.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unlike {
-    /// There are too few spots to tell a pattern from specks.
+    /// There are too few spots to distinguish a pattern from specks.
     #[error("expected at least {FEWEST} spots, got {0}")]
     Few(usize),
-    /// The spacing of the spots varies.
+    /// The spacing of the spots varies too much.
     #[error("spacing differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SCATTERED)]
     Spacing(f64),
-    /// The diameter of the spots varies.
+    /// The diameter of the spots varies too much.
     #[error("size differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SIZE)]
     Size(f64),
-    /// The contrast of the spots varies.
+    /// The contrast of the spots varies too much.
     #[error("contrast differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * CONTRAST)]
     Contrast(f64),
-    /// The sum of the deviations in spacing, size and contrast, each over its maximum, plus 1 if the spots are faint.
+    /// The sum of the deviations in spacing, size and contrast, each divided by its maximum, is too large; faint spots
+    /// add 1.
     #[error("the sum of these differences, each divided by its maximum, is {:.1}, expected at most {:.0}", .0, TOTAL)]
     Total(f64),
-    /// The spots hardly differ from the background.
+    /// The contrast of the spots is too low for the image noise.
     #[error(
         "contrast is {actual:.1} gray levels, expected at least {expected:.1} for this image noise"
     )]
@@ -74,29 +76,30 @@ pub enum Unlike {
     },
 }
 
-/// Maximum median deviations between neighbours. Scattered points deviate by 30 to 40 % in spacing; blobs of texture by
-/// 10 % in spacing, 25 % in size and 20 % in contrast. Pins, fibres and markers of real sensors, loaded or not, deviate
-/// by at most 4 % in spacing, 8 % in size and 25 % in contrast.
+/// Maximum median deviations between neighbouring spots of a pattern. Scattered points deviate by 30 to 40 % in
+/// spacing; blobs of texture by 10 % in spacing, 25 % in size and 20 % in contrast. Pins, fibres and markers of real
+/// sensors, loaded or not, deviate by at most 4 % in spacing, 8 % in size and 25 % in contrast.
 const SPACING: f64 = 0.12;
 const SIZE: f64 = 0.1;
 const CONTRAST: f64 = 0.3;
 
-/// Deviation in spacing above which spots are scattered, regardless of size and contrast: twice that of real sensors.
+/// Deviation in spacing above which spots are considered scattered, regardless of size and contrast: twice that of real
+/// sensors.
 const SCATTERED: f64 = 0.08;
 
-/// Maximum sum of the deviations, each over its own maximum. Real sensors have sums of at most 1.3; texture and scattered
-/// specks have at least 2.5.
+/// Maximum sum of the deviations, each divided by its own maximum. Real sensors reach at most 1.3; texture and
+/// scattered specks at least 2.5.
 const TOTAL: f64 = 2.0;
 
 /// Result of assessing whether spots are markers.
 pub(super) enum Assessment {
-    /// The spots are markers. Contains the properties beyond their individual maximum.
+    /// The spots are markers, with the properties that exceed their individual maximum.
     Pattern(Vec<Unlike>),
-    /// The spots differ from markers in these properties.
+    /// The spots are not markers because of these properties.
     NoPattern(Vec<Unlike>),
 }
 
-/// Assesses whether `spots` are markers by their number, spacing, size and contrast; `noise` is the image noise in gray
+/// Decides whether `spots` are markers by their number, spacing, size and contrast. `noise` is the image noise in gray
 /// levels.
 pub(super) fn assess(spots: &[Spot], noise: f64) -> Assessment {
     let Some(regularity) = regularity(spots) else {

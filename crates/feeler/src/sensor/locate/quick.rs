@@ -16,7 +16,7 @@ const MIN_RESPONSE: f64 = 0.3;
 
 /// Returns columns and rows (px) of blobs of about `diameter` px in `picture`, in no particular order. A blob is
 /// returned if its response is at least [`MIN_RESPONSE`] of the median of the `count` strongest. Unlike
-/// [`locate`](super::locate), does not verify that blobs are spots.
+/// [`locate`](super::locate), it does not check that blobs are spots of a pattern.
 pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
     picture: &Picture<P>,
     polarity: Polarity,

@@ -5,12 +5,12 @@ use crate::sensor::image::frame::Picture;
 use glam::DVec2;
 use std::borrow::Cow;
 
-/// The mean of several images, with the information needed to estimate its noise.
+/// Mean of several images, with the information needed to estimate its noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferencePicture {
-    /// Columns, px.
+    /// Width, px.
     pub width: usize,
-    /// Rows, px.
+    /// Height, px.
     pub height: usize,
     /// Mean gray values, row by row from the top left, 0 to 255.
     pub gray: Vec<f32>,
@@ -33,7 +33,7 @@ impl ReferencePicture {
         sum.finish()
     }
 
-    /// Returns the image such that elements are bright: inverted if they are dark.
+    /// Returns the image with bright elements: inverted if the elements are dark.
     pub(super) fn oriented(&self, polarity: Polarity) -> Cow<'_, Self> {
         match polarity {
             Polarity::Bright => Cow::Borrowed(self),
@@ -114,7 +114,7 @@ impl ReferencePicture {
     }
 }
 
-/// Accumulates the mean of images without keeping them in memory.
+/// Accumulates the sum of images without storing them.
 #[derive(Debug, Clone, Default)]
 pub struct MeanPicture {
     size: (usize, usize),

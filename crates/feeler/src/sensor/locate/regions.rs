@@ -1,4 +1,4 @@
-//! Assembles elements with sub-regions from grouped spots, and checks them for problems.
+//! Creates elements with sub-regions from grouped spots, and checks them for problems.
 
 use super::{
     LocateConfig, LocateWarning, Located, LocatedElement, Polarity,
@@ -52,7 +52,7 @@ pub(super) fn bounding_box(
     (range(low.x, high.x, width), range(low.y, high.y, height))
 }
 
-/// Assembles elements from grouped spots.
+/// Creates elements from grouped spots.
 ///
 /// Elements are bright in `reference`, which is inverted if `polarity` is dark.
 pub(super) fn assemble(
@@ -160,8 +160,8 @@ pub(super) fn assemble(
     }
 }
 
-/// Distance to the nearest element, clamped to 0.75 to 1.5 times the typical distance of the neighbours, to limit the
-/// effect of a wrongly located element.
+/// Distance from an element to the nearest one, clamped to 0.75 to 1.5 times the typical distance of the neighbours, to
+/// limit the effect of a wrongly located element.
 fn local_spacing(gaps: &[f64], neighbours: &[usize], own: usize) -> f64 {
     let mut about: Vec<f64> = neighbours.iter().map(|&i| gaps[i]).collect();
     if about.is_empty() {
@@ -172,7 +172,8 @@ fn local_spacing(gaps: &[f64], neighbours: &[usize], own: usize) -> f64 {
     gaps[own].clamp(0.75 * typical, 1.5 * typical)
 }
 
-/// Returns indices in reading order: rows are bands of half the spacing, sorted from left to right.
+/// Returns indices in reading order: rows are bands with the height of half the spacing, each sorted from left to
+/// right.
 fn reading_order(centres: &[DVec2]) -> Vec<usize> {
     let mut gaps: Vec<f64> = nearest(centres, 1)
         .iter()
@@ -198,7 +199,7 @@ fn reading_order(centres: &[DVec2]) -> Vec<usize> {
     rows.concat()
 }
 
-/// Warns of elements that are too large or that have too many or too few spots.
+/// Creates warnings for elements that are too large or have too many or too few spots.
 fn size_warnings(
     spots: &[Spot],
     members: &[&Vec<usize>],
@@ -206,7 +207,7 @@ fn size_warnings(
     centres: &[DVec2],
     per_element: usize,
 ) -> Vec<LocateWarning> {
-    /// Minimum ratio of an element's area to its neighbours' for a warning.
+    /// Minimum ratio of an element's area to that of its neighbours for a warning.
     const LARGE: f64 = 1.9;
     let area = |i: usize| {
         members[i]
@@ -240,7 +241,7 @@ fn size_warnings(
     (0..members.len()).filter_map(warning).collect()
 }
 
-/// Warns of saturated spots, or of an image with two gray levels, in which saturation cannot be detected.
+/// Creates a warning for saturated spots, or for an image with two gray levels, in which saturation cannot be detected.
 fn light_warning(
     reference: &ReferencePicture,
     spots: &[Spot],

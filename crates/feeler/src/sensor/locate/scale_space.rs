@@ -6,10 +6,10 @@ use multiversion::multiversion;
 /// Ratio of one scale to the next.
 const STEP: f64 = 1.189_207_115_002_721; // fourth root of 2
 
-/// Finest scale, px: the scale of a spot of two pixels.
+/// Finest scale, px: the scale of a spot with a diameter of two pixels.
 const FINEST: f64 = 0.8;
 
-/// Scale in pixels of the current layer at which the resolution is halved; smoother layers need no more pixels.
+/// Scale, in pixels of the current layer, at which the resolution is halved; smoother layers need fewer pixels.
 const COARSEST_IN_PIXELS: f64 = 3.2;
 
 /// Blob response of the image at one scale.
@@ -17,16 +17,16 @@ const COARSEST_IN_PIXELS: f64 = 3.2;
 pub(super) struct Layer {
     /// Standard deviation of the Gaussian, in pixels of the image.
     pub sigma: f64,
-    /// Pixels of the image between adjacent values.
+    /// Distance between adjacent values, in pixels of the image.
     pub step: usize,
-    /// Columns and rows of values.
+    /// Number of columns and rows of values.
     pub size: (usize, usize),
-    /// `-sigma² ∇² (G * picture)`, gray levels: positive on bright blobs.
+    /// `-sigma² ∇² (G * picture)`, gray levels: positive at bright blobs.
     pub response: Vec<f32>,
 }
 
 impl Layer {
-    /// Maximum of the value at an image pixel and its four neighbours.
+    /// Maximum of the values at an image pixel and its four neighbours.
     fn around(&self, column: usize, row: usize) -> f32 {
         let (width, height) = self.size;
         // The layer ends within one value of the image's end.
@@ -46,7 +46,7 @@ pub(super) struct ScaleSpace {
 }
 
 impl ScaleSpace {
-    /// Computes all scales of `picture` up to `coarsest`, px.
+    /// Computes the layers of `picture` up to the scale `coarsest`, px.
     pub fn new(picture: &ReferencePicture, coarsest: f64) -> Self {
         let mut size = (picture.width, picture.height);
         let mut blurred = picture.gray.clone();
@@ -73,7 +73,7 @@ impl ScaleSpace {
         Self { layers }
     }
 
-    /// Responses of the inverted image.
+    /// Inverts the sign of all responses, as for the inverted image.
     pub fn negated(mut self) -> Self {
         for layer in &mut self.layers {
             layer.response.iter_mut().for_each(|value| *value = -*value);
@@ -81,8 +81,8 @@ impl ScaleSpace {
         self
     }
 
-    /// Returns indices of values above `floor` that are maxima among their eight neighbours and compared with the
-    /// adjacent layers, if any. Excludes the border.
+    /// Returns the indices of values above `floor` that are maxima among their eight neighbours and in comparison with
+    /// the adjacent layers, if any. Excludes the border.
     pub fn maxima(&self, layer: usize, floor: f32) -> Vec<usize> {
         let own = &self.layers[layer];
         let (width, height) = own.size;
@@ -118,14 +118,14 @@ pub(super) fn blurred_response(picture: &[f32], size: (usize, usize), sigma: f64
     }
 }
 
-/// Keeps every second column of every second row.
+/// Downsamples by two: keeps every second column of every second row.
 fn every_second(values: &[f32], (width, _): (usize, usize)) -> Vec<f32> {
     let rows = values.chunks_exact(width).step_by(2);
     rows.flat_map(|row| row.iter().step_by(2).copied())
         .collect()
 }
 
-/// Returns `true` if a value is the maximum of its 3x3 neighbourhood; of equal values, the first counts.
+/// Returns `true` if a value is the maximum of its 3x3 neighbourhood; among equal values, only the first.
 fn largest_of_nine(values: &[f32], width: usize, index: usize) -> bool {
     let value = values[index];
     let before = [
@@ -143,7 +143,7 @@ fn largest_of_nine(values: &[f32], width: usize, index: usize) -> bool {
     before.iter().all(|&i| values[i] < value) && after.iter().all(|&i| values[i] <= value)
 }
 
-/// Computes `-sigma² ∇²` of a blurred image.
+/// Computes the response `-sigma² ∇²` of a blurred image.
 #[multiversion(targets("x86_64+avx2"))]
 fn response(blurred: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32> {
     let scale = -(sigma * sigma) as f32;

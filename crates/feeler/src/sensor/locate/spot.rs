@@ -8,13 +8,13 @@ use std::f64::consts::SQRT_2;
 pub(super) struct Spot {
     /// Column and row, px.
     pub centre: DVec2,
-    /// Scale of the maximum blob response, px: the spot's radius over the square root of two.
+    /// Scale of the maximum blob response, px: the spot's radius divided by the square root of two.
     pub sigma: f64,
     /// Blob response, gray levels.
     pub response: f64,
-    /// Diameter of the disc that has the spot's area, px; the diameter from the blob scale until it is measured.
+    /// Diameter of the disc with the same area as the spot, px; derived from the blob scale until measured.
     pub diameter: f64,
-    /// Gray levels above the local background; the blob response until it is measured.
+    /// Gray levels above the local background; the blob response until measured.
     pub contrast: f64,
     /// `true` if the image border cuts the spot.
     pub cut: bool,
@@ -38,13 +38,13 @@ impl Spot {
     }
 }
 
-/// The spots of an image.
+/// Spots found in an image.
 #[derive(Debug, Clone)]
 pub(super) struct FoundSpots {
     pub spots: Vec<Spot>,
-    /// Spots whose place, size or contrast is not that of the pattern.
+    /// Centres of spots rejected because their position, size or contrast does not match the pattern.
     pub left_out: Vec<DVec2>,
-    /// Spots that the image border cuts.
+    /// Centres of spots cut by the image border.
     pub cut: Vec<DVec2>,
     /// Noise of a single image, gray levels.
     pub noise: f64,

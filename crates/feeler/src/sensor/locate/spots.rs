@@ -17,34 +17,35 @@ use glam::{DMat2, DVec2};
 use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
-/// Blobs whose scale differs from the spots' scale by at most this number of layers are spots too: a factor of two in
-/// diameter, which covers perspective and load.
+/// Maximum number of layers by which the scale of a spot may differ from the typical scale: a factor of two in
+/// diameter, to allow for perspective and load.
 const LAYERS_BESIDE: usize = 4;
 
 /// An image in which spots are bright, and the search parameters.
 pub(super) struct Search<'a> {
     /// The image at full resolution.
     pub picture: &'a ReferencePicture,
-    /// The image that is searched, binned by `factor`.
+    /// The image in which spots are searched, binned by `factor`.
     pub binned: &'a ReferencePicture,
     /// Binning factor.
     pub factor: usize,
     /// Scale space of the binned image.
     pub space: &'a ScaleSpace,
-    /// Noise of a single image before averaging, at full resolution and binned, gray levels.
+    /// Noise of a single image before averaging, gray levels: at full resolution and binned.
     pub noise: [f64; 2],
     /// Diameter of spots at full resolution, px, or `None` if unknown.
     pub diameter: Option<f64>,
 }
 
-/// Coarsest scale to search in an image of the given size for spots of `diameter`, or of any size if `None`. All in px.
+/// Coarsest scale to search, px, in an image of the given size (px) for spots of `diameter` (px), or of any size if
+/// `None`.
 pub(super) fn coarsest((width, height): (usize, usize), diameter: Option<f64>) -> f64 {
     diameter.map_or(width.min(height) as f64 / 16.0, |diameter| {
         diameter / SQRT_2
     })
 }
 
-/// Finds the spots.
+/// Detects the spots of an image.
 pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
     let Search { picture, space, .. } = *search;
     let [noise, noise_searched] = search.noise;
@@ -95,9 +96,9 @@ pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
     }
 }
 
-/// Measures the spots from their pixels, excluding pixels closer to other `blobs`.
+/// Measures the spots from their pixels, excluding pixels that are closer to other `blobs`.
 fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) -> Vec<Spot> {
-    /// Blobs with a response below this fraction of the spot's are ignored.
+    /// Minimum response of a blob to be considered, relative to that of the spot.
     const FAINT: f64 = 0.25;
     let centres: Vec<DVec2> = blobs.iter().map(|blob| blob.centre).collect();
     let cells = Cells::new(&centres);
@@ -115,8 +116,8 @@ fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) ->
     spots
 }
 
-/// Returns `true` if no background separates two blobs: at all sampled points between their centres, the gray level is
-/// closer to that of the fainter centre than to the background.
+/// Returns `true` if two blobs are not separated by background: at all sampled points between their centres, the gray
+/// level is closer to that of the fainter centre than to the background.
 fn is_joined(picture: &ReferencePicture, a: &Spot, b: &Spot) -> bool {
     let middle = 0.5 * (a.centre + b.centre);
     let reach = 1.5 * a.diameter.max(b.diameter);
@@ -137,7 +138,7 @@ fn range(gray: &[f32]) -> (f32, f32) {
         .fold((f32::MAX, f32::MIN), |(a, b), &g| (a.min(g), b.max(g)))
 }
 
-/// Layers in which blobs are spots if the spots' own layer is `own`.
+/// Range of scale-space layers to search for spots whose typical scale is that of layer `own`.
 fn beside(own: usize, space: &ScaleSpace) -> Range<usize> {
     own.saturating_sub(LAYERS_BESIDE)..(own + LAYERS_BESIDE + 1).min(space.layers.len())
 }
@@ -149,8 +150,8 @@ fn layer_of(space: &ScaleSpace, sigma: f64) -> usize {
         .unwrap_or(0)
 }
 
-/// Layer around which the total squared blob response is largest. Squares, because a texture of many faint blobs may
-/// have the larger sum.
+/// Layer around which the sum of squared blob responses is largest. Squares are used because a texture of many faint
+/// blobs could have the larger sum of responses.
 fn dominant_layer(layers: &[Vec<Spot>]) -> usize {
     let strength = |layer: usize| -> f64 {
         let window = layer.saturating_sub(2)..(layer + 3).min(layers.len());
@@ -162,10 +163,10 @@ fn dominant_layer(layers: &[Vec<Spot>]) -> usize {
         .unwrap_or(0)
 }
 
-/// The image at the resolution of each layer of a scale space.
+/// An image at the resolution of each layer of a scale space.
 struct Octaves<'a> {
     whole: &'a ReferencePicture,
-    /// The image binned by 2, 4, 8, …
+    /// The image binned by 2, 4, 8, ...
     halved: Vec<ReferencePicture>,
 }
 
@@ -209,8 +210,8 @@ fn blobs(octaves: &Octaves, space: &ScaleSpace, layer: usize, noise_of_mean: f64
 
 /// Fits a paraboloid to a maximum and its eight neighbours. Returns `None` if the maximum is not round enough.
 pub(super) fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<Spot> {
-    /// Minimum ratio of the smaller to the larger curvature; a more elongated maximum is a line. A marker that contact
-    /// squeezes to less than half of its width is still above it.
+    /// Minimum ratio of the smaller to the larger curvature; a more elongated maximum is a line. A marker compressed to
+    /// less than half its width by contact is still above it.
     const ROUND: f64 = 0.08;
     let Layer {
         sigma,

@@ -1,4 +1,4 @@
-//! Separates the spots of the pattern from specks, reflections and strays.
+//! Separates the spots of the pattern from specks, reflections and stray spots.
 
 use super::{median, median_of, nearest, quantile, spot::Spot};
 use crate::sensor::image::cells::Cells;
@@ -9,7 +9,7 @@ pub(super) fn centres(spots: &[Spot]) -> Vec<DVec2> {
     spots.iter().map(|s| s.centre).collect()
 }
 
-/// Removes spots that are faint compared with their neighbours or with all spots.
+/// Removes spots whose response is low compared with their neighbours or with all spots.
 pub(super) fn as_strong_as_their_neighbours(spots: Vec<Spot>) -> Vec<Spot> {
     let mut all: Vec<f64> = spots.iter().map(|s| s.response).collect();
     let floor = 0.03 * quantile(&mut all, 0.9);
@@ -31,7 +31,7 @@ pub(super) fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
     spots.iter().zip(neighbours).map(gap).collect()
 }
 
-/// Splits spots into those to `keep` and the centres of the others.
+/// Splits spots by the mask `keep`. Returns the kept spots and the centres of the others.
 fn split(spots: &[Spot], keep: &[bool]) -> (Vec<Spot>, Vec<DVec2>) {
     let others = spots.iter().zip(keep).filter(|(_, keep)| !**keep);
     let others = others.map(|(spot, _)| spot.centre).collect();
@@ -44,13 +44,14 @@ pub(super) fn kept(spots: &[Spot], keep: &[bool]) -> Vec<Spot> {
         .collect()
 }
 
-/// Maximum ratio of the responses of neighbouring spots of one pattern.
+/// Maximum ratio of the responses of neighbouring spots of the same pattern.
 const ALIKE: f64 = 3.0;
-/// Maximum ratio of their distances to the nearest spot.
+/// Maximum ratio of the distances of neighbouring spots to their nearest spots.
 const EVEN: f64 = 1.5;
 
-/// Splits spots into the pattern and the centres of texture around it, such as that of a housing. Texture spots have less
-/// than half the response of the nearest pattern spots and are not connected to the pattern by similar neighbours.
+/// Separates the pattern from surrounding texture, such as that of a housing. Returns the spots of the pattern and the
+/// centres of the others. Texture spots have less than half the response of the nearest pattern spots and are not
+/// connected to the pattern by similar neighbours.
 pub(super) fn without_surroundings(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
     let centres = centres(&spots);
     let neighbours = nearest(&centres, 8);
@@ -104,14 +105,14 @@ fn strongest_component(spots: &[Spot], neighbours: &[Vec<usize>], gaps: &[f64]) 
     component.iter().map(|&own| own == strongest.1).collect()
 }
 
-/// Splits spots into the pattern and the centres of specks: spots that differ from their neighbours in size and do not
-/// lie midway between two of them.
+/// Separates the pattern from specks: spots that differ from their neighbours in size and do not lie midway between two
+/// of them. Returns the spots of the pattern and the centres of the specks.
 pub(super) fn without_specks(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
-    /// Range of a marker's diameter over that of its neighbours.
+    /// Range of a marker's diameter relative to its neighbours.
     const SIZE: Range<f64> = 0.72..1.6;
-    /// Maximum distance from the middle between two neighbours, over the spacing.
+    /// Maximum distance from the midpoint between two neighbours, relative to the spacing.
     const MIDDLE: f64 = 0.4;
-    /// Minimum distance from all neighbours, over the spacing.
+    /// Minimum distance from all neighbours, relative to the spacing.
     const GAP: f64 = 0.75;
     if spots.len() < PATTERN {
         return (spots, Vec::new());
@@ -139,15 +140,16 @@ pub(super) fn without_specks(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
     split(&spots, &keep)
 }
 
-/// Minimum number of spots in a pattern; fewer have no strays.
+/// Minimum number of spots for detecting specks and stray spots.
 const PATTERN: usize = 20;
 
-/// Splits spots into the pattern and the centres of strays. A stray is much farther from its neighbours than they are
-/// from each other, or faint, or unlike its neighbours and with few of them although the pattern is dense.
+/// Separates the pattern from stray spots. Returns the spots of the pattern and the centres of the others. A stray spot
+/// does not continue a row of the pattern and is much farther from its neighbours than they are from each other, or
+/// faint, or different from its neighbours and with few of them in a dense pattern.
 pub(super) fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
-    /// A spot with less than this fraction of its neighbours' contrast must continue the pattern.
+    /// Contrast relative to the neighbours' below which a spot counts as faint.
     const FAINT: f64 = 0.5;
-    /// Maximum distance of a spot from the continuation of a row, over the spacing.
+    /// Maximum distance of a spot from the continuation of a row, relative to the spacing.
     const STRAIGHT: f64 = 0.3;
     if spots.len() < PATTERN {
         return (spots, Vec::new());

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-/// Single-linkage tree (dendrogram). Leaves are points; each inner node joins two nodes, the closest first.
+/// Single-linkage tree (dendrogram). Leaves are points; each inner node joins two nodes, the closest ones first.
 pub(super) struct Tree {
     leaf_count: usize,
     children: Vec<(usize, usize)>,
@@ -33,7 +33,7 @@ impl Tree {
         tree
     }
 
-    /// Number of leaves below a node.
+    /// Number of leaves below `node`.
     pub(super) fn size(&self, node: usize) -> usize {
         self.sizes[node]
     }
@@ -44,7 +44,7 @@ impl Tree {
             .copied()
     }
 
-    /// Leaves below a node, in ascending order.
+    /// Leaves below `node`, in ascending order.
     pub(super) fn leaves(&self, node: usize) -> Vec<usize> {
         let (mut open, mut leaves) = (vec![node], Vec::new());
         while let Some(node) = open.pop() {
@@ -57,7 +57,7 @@ impl Tree {
         leaves
     }
 
-    /// Leaves of the largest nodes that satisfy `wanted`, searched from the root.
+    /// Leaves of each of the largest nodes that satisfy `wanted`, searched from the root.
     pub(super) fn largest(&self, wanted: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
         let mut open: Vec<usize> = self.sizes.len().checked_sub(1).into_iter().collect();
         let mut found = Vec::new();
@@ -72,7 +72,7 @@ impl Tree {
     }
 }
 
-/// Root of the tree that contains `node`.
+/// Returns the root of the tree that contains `node`.
 fn root(parents: &mut [usize], mut node: usize) -> usize {
     while parents[node] != node {
         parents[node] = parents[parents[node]];

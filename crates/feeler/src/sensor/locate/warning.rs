@@ -6,7 +6,7 @@ use glam::DVec2;
 /// A possible problem with located elements.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocateWarning {
-    /// An element is much larger than its neighbours or has more spots.
+    /// An element is much larger than its neighbours or has many more spots.
     #[error(
         "element {element} at column {:.1}, row {:.1} is {times:.1} times as large as its neighbours: two elements may have merged",
         centre_px.x, centre_px.y
@@ -43,8 +43,8 @@ pub enum LocateWarning {
         "the images have only two gray levels, black and white: integrated gray values count pixels, and saturation cannot be detected"
     )]
     TwoLevels,
-    /// Spots that are not elements, because their place, size or contrast is not that of the pattern, or because they
-    /// belong to no group.
+    /// Spots that do not belong to an element because their position, size or contrast does not match the pattern, or
+    /// because they belong to no group.
     #[error(
         "{} spots are ignored because their place, size or contrast is unlike the pattern's (the first at column {:.0}, row {:.0})",
         spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
@@ -53,7 +53,7 @@ pub enum LocateWarning {
         /// Positions of the spots, px.
         spots_px: Vec<DVec2>,
     },
-    /// Spots cut by the image border, whose centroids would be wrong.
+    /// Spots that are cut by the image border, so that their centroids would be wrong.
     #[error(
         "{} spots are ignored because the image border cuts them (the first at column {:.0}, row {:.0})",
         spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
@@ -62,10 +62,10 @@ pub enum LocateWarning {
         /// Positions of the spots, px.
         spots_px: Vec<DVec2>,
     },
-    /// The spots differ from markers in some property.
+    /// The spots are not a regular pattern of markers in some property.
     #[error("check that these spots are markers: {}", list(unlike))]
     Unlike {
-        /// Properties in which the spots differ.
+        /// Properties that are irregular.
         unlike: Vec<Unlike>,
     },
     /// Sub-regions are clipped at the image border.

@@ -4,7 +4,7 @@ use crate::check::Checker;
 use crate::sensor::image::polarity::Polarity;
 use serde::{Deserialize, Serialize};
 
-/// Configuration of the moments of sub-regions.
+/// Parameters for computing the moments of sub-regions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MomentsConfig {
@@ -62,7 +62,7 @@ pub enum MomentsError {
     OutOfPicture {
         /// Index of the element.
         element: usize,
-        /// Column and row, px, or a note that the element is not visible.
+        /// Column and row that the sub-region reaches, px, or a note that the element is not visible.
         seen_at: String,
         /// Columns of the image, px.
         width: usize,
@@ -85,10 +85,10 @@ pub enum MomentsError {
         /// Number of gray values in the image.
         pixels: usize,
     },
-    /// The number of moments to fill, or of background levels, does not match the kernel.
+    /// The number of moments to fill, or of background levels, does not match the kernel's number of elements.
     #[error("expected moments or background levels for {expected} elements, got {actual}")]
     ElementCount {
-        /// Elements of the kernel.
+        /// Number of elements of the kernel.
         expected: usize,
         /// Number of moments to fill, or of levels.
         actual: usize,

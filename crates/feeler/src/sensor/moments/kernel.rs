@@ -57,15 +57,15 @@ pub struct MomentsKernel {
     width: usize,
     height: usize,
     polarity: Polarity,
-    /// Grey level of the background of each element.
+    /// Background gray level of each element.
     levels: Vec<u8>,
     tiles: Vec<Tile>,
     /// Bit mask of the pixels that belong to the sub-region, for each row of each tile.
     masks: Vec<u64>,
-    /// Background level of each pixel of each row. Pixels outside the sub-region have a level at which they
-    /// contribute zero.
+    /// Background level of each pixel of each row. Pixels outside the sub-region have a level at which they contribute
+    /// zero.
     backgrounds: Vec<Row>,
-    /// Tiles of each element.
+    /// Range of tiles of each element.
     elements: Vec<Range<usize>>,
     instructions: Instructions,
 }
@@ -183,7 +183,7 @@ impl MomentsKernel {
         self.elements.len()
     }
 
-    /// Column and row of each pixel in a sub-region, element by element.
+    /// Column and row of every pixel that belongs to a sub-region, element by element.
     pub fn pixels(&self) -> impl Iterator<Item = (usize, usize)> {
         let width = self.width;
         let rows = self.tiles.iter().flat_map(move |tile| {

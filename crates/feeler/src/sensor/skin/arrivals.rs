@@ -1,34 +1,34 @@
-//! Arrival times of bytes.
+//! Arrival times of the bytes of a serial stream.
 
-/// Number of reads that are remembered. A frame may arrive in many reads.
+/// Number of stored reads. A frame may arrive in many reads.
 const READS: usize = 64;
 
-/// Bytes that were read together.
+/// One read operation on the stream.
 #[derive(Debug, Clone, Copy, Default)]
 struct Read {
-    /// Number of bytes of the stream up to the end of this read.
+    /// Total number of bytes of the stream up to the end of this read.
     end: u64,
     /// Time of the read, s.
     at: f64,
 }
 
-/// Estimates when each byte of a stream arrived, from the times of the reads.
+/// Estimates the arrival time of each byte of a stream from the times of the reads.
 ///
 /// The last byte of a read is assumed to arrive at the time of the read. Each earlier byte is assumed to arrive one
-/// transmission time before its successor, but not before the previous read. The latency of the port delays the
+/// transmission time before the following one, but not before the previous read. The latency of the port delays the
 /// estimate; late reads delay it by at most the time between two reads. Does not allocate.
 #[derive(Debug, Clone)]
 pub struct Arrivals {
     /// Transmission time of a byte, s.
     byte_time: f64,
-    /// Latest reads, in a ring.
+    /// Latest reads, in a ring buffer.
     reads: [Read; READS],
-    /// Number of reads.
+    /// Number of reads so far.
     count: usize,
 }
 
 impl Arrivals {
-    /// Creates the estimator for a stream with this transmission time of a byte (s). Nothing was read before time 0.
+    /// Creates an estimator for a stream with this transmission time per byte (s). No byte arrives before time 0.
     pub fn new(byte_time: f64) -> Self {
         Self {
             byte_time,
@@ -47,8 +47,8 @@ impl Arrivals {
         };
     }
 
-    /// Estimated arrival of the byte with this index, s. Bytes that were read too long ago have the time of the oldest
-    /// known read; bytes that were not read yet have the time of the newest one.
+    /// Estimated arrival time (s) of the byte with index `byte`. For bytes read too long ago, the time of the oldest
+    /// stored read; for bytes not read yet, the time of the latest read.
     pub fn of(&self, byte: u64) -> f64 {
         let mut later = self.newest();
         for back in 1..READS.min(self.count + 1) {

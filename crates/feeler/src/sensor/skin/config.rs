@@ -5,11 +5,11 @@ use crate::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Table `[serial]` of a taxel layout: the protocol in which the skin sends its readings.
+/// Table `[serial]` of a taxel layout: serial protocol of the skin and its parameters.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SerialConfig {
-    /// Protocol.
+    /// Protocol of the skin.
     pub protocol: SkinProtocol,
     /// Baud rate. Has no effect on boards with native USB.
     pub baud_rate: u32,
@@ -35,10 +35,10 @@ pub enum SkinProtocol {
 }
 
 impl SkinProtocol {
-    /// All protocols.
+    /// All supported protocols.
     pub const ALL: [Self; 3] = [Self::Magnetometers, Self::Flexitac, Self::Paxini];
 
-    /// Baud rate of the skins' firmware.
+    /// Baud rate of the protocol in the manufacturer's firmware.
     pub fn baud_rate(self) -> u32 {
         match self {
             Self::Magnetometers => 115_200,
@@ -54,7 +54,7 @@ impl SkinProtocol {
 }
 
 impl SerialConfig {
-    /// Creates the settings of `protocol` with the baud rate of its firmware, at address 1.
+    /// Creates the settings of `protocol` with its firmware's baud rate and address 1.
     pub fn new(protocol: SkinProtocol) -> Self {
         Self {
             protocol,
@@ -63,7 +63,7 @@ impl SerialConfig {
         }
     }
 
-    /// Number of bytes in a frame of `taxels` taxels.
+    /// Number of bytes in a frame with `taxels` taxels.
     pub fn frame_bytes(&self, taxels: usize) -> usize {
         match self.protocol {
             SkinProtocol::Magnetometers => magnetometers::frame_bytes(taxels),
@@ -72,7 +72,7 @@ impl SerialConfig {
         }
     }
 
-    /// Request for the readings of `taxels` taxels, or `None` if the skin sends without requests.
+    /// Request for the readings of `taxels` taxels; `None` if the skin sends without requests.
     pub fn request(&self, taxels: usize) -> Option<Vec<u8>> {
         match self.protocol {
             SkinProtocol::Magnetometers | SkinProtocol::Flexitac => None,
@@ -80,8 +80,7 @@ impl SerialConfig {
         }
     }
 
-    /// Number of taxels that a skin must answer with if it receives `request`, or `None` if it is not a request for its
-    /// readings. For emulators.
+    /// Number of taxels in the response to `request`; `None` if it is not a request for readings. For emulators.
     pub fn requested_taxels(&self, request: &[u8]) -> Option<usize> {
         let taxels = paxini::requested(request)?;
         (self.request(taxels).as_deref() == Some(request)).then_some(taxels)
@@ -96,8 +95,8 @@ impl SerialConfig {
         }
     }
 
-    /// Appends the frame that a skin with these `values` in the columns x, y and z of its taxels sends, for emulators.
-    /// Values beyond the range of the protocol are limited to it.
+    /// Appends the frame that a skin sends for `values` in the columns x, y and z of its taxels; for emulators. Values
+    /// are clamped to the range of the protocol.
     pub fn encode(&self, values: &[DVec3], bytes: &mut Vec<u8>) {
         match self.protocol {
             SkinProtocol::Magnetometers => magnetometers::encode(values, bytes),

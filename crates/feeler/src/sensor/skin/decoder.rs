@@ -4,23 +4,23 @@ use super::{SerialConfig, SkinProtocol};
 use super::{flexitac, magnetometers, paxini};
 use glam::DVec3;
 
-/// Space for bytes of one read, so that decoding does not allocate.
+/// Size of the buffer for one read, bytes; larger reads allocate.
 const READ: usize = 4096;
-/// Frames that a decoder may look at to find the beginning of one.
+/// Number of frames in which a decoder may search for the beginning of one.
 const FRAMES: usize = 8;
 
 /// Next step of decoding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Step {
-    /// More bytes are required.
+    /// Wait for more bytes.
     Wait,
-    /// This number of bytes is not part of a frame.
+    /// Skip this number of bytes, which are not part of a frame.
     Skip(usize),
-    /// A frame begins at byte `first`, and decoding continues at byte `end`.
+    /// Return the frame that begins at byte `first`, and continue at byte `end`.
     Frame {
         /// Index of the frame's first byte.
         first: usize,
-        /// Number of bytes to remove.
+        /// Number of bytes to remove from the buffer.
         end: usize,
     },
 }
@@ -41,10 +41,10 @@ pub struct SkinFrame {
 
 /// Decodes the bytes of a skin. Never panics; allocates only if more than 4096 bytes arrive at once.
 ///
-/// A frame is returned only if the bytes before or after it confirm its boundaries. Lost or inserted bytes destroy the
-/// frame that contains them, and at most one frame before and one after. Only PaXini's protocol has a checksum (8 bits;
-/// it misses 1 in 256 damaged packets). In the other protocols, a changed bit is not detected if the value remains
-/// plausible. If exactly one frame's length of bytes is lost, the parts of two frames are returned as one.
+/// A frame is returned only if the bytes before or after it confirm its boundaries. Lost or inserted bytes invalidate
+/// the frame that contains them, and at most one frame before and one after. Only PaXini's protocol has a checksum (8
+/// bits; it misses 1 in 256 damaged packets). In the other protocols, a changed bit is not detected if the value
+/// remains plausible. If exactly one frame's length of bytes is lost, the parts of two frames are returned as one.
 #[derive(Debug, Clone)]
 pub struct SkinDecoder {
     format: Format,
@@ -52,12 +52,12 @@ pub struct SkinDecoder {
     bytes: Vec<u8>,
     /// Index of the first byte in `bytes` that has not been decoded.
     next: usize,
-    /// Number of bytes of the stream before `bytes`.
+    /// Number of bytes of the stream that precede `bytes`.
     before: u64,
     frames: u64,
     skipped: u64,
     losses: u64,
-    /// `true` if the latest bytes were part of frames.
+    /// `true` if the decoder is synchronized: the latest bytes were part of frames.
     is_in_step: bool,
 }
 
@@ -89,7 +89,7 @@ impl SkinDecoder {
         self.taxels
     }
 
-    /// Number of decoded frames.
+    /// Number of frames decoded so far.
     pub fn frames(&self) -> u64 {
         self.frames
     }
@@ -99,17 +99,17 @@ impl SkinDecoder {
         self.skipped
     }
 
-    /// Number of times that bytes between frames were lost, inserted or changed.
+    /// Number of losses of synchronization because bytes were lost, inserted or changed.
     pub fn losses(&self) -> u64 {
         self.losses
     }
 
-    /// Number of bytes in the stream so far.
+    /// Number of bytes received so far.
     pub fn stream_bytes(&self) -> u64 {
         self.before + self.bytes.len() as u64
     }
 
-    /// Adds received bytes.
+    /// Appends received bytes.
     pub fn feed(&mut self, bytes: &[u8]) {
         self.bytes.drain(..self.next);
         self.before += self.next as u64;
@@ -117,7 +117,7 @@ impl SkinDecoder {
         self.bytes.extend_from_slice(bytes);
     }
 
-    /// Forgets all bytes of the stream, whose next byte is the first of a new connection.
+    /// Discards all buffered bytes. The next byte is the first of a new connection.
     pub fn restart(&mut self) {
         self.before += self.bytes.len() as u64;
         self.bytes.clear();

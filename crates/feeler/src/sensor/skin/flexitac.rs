@@ -3,27 +3,27 @@
 use super::decoder::Step;
 use glam::DVec3;
 
-/// Beginning of a frame.
+/// First bytes of a frame.
 const MARKER: [u8; 2] = [0xAA, 0x55];
-/// Maximum number of frames that must agree on a beginning.
+/// Maximum number of frames compared to find the beginning of one.
 const MOST_FRAMES: usize = 6;
 
-/// Number of bytes in a frame, with its marker.
+/// Number of bytes in a frame, including its marker.
 pub fn frame_bytes(taxels: usize) -> usize {
     MARKER.len() + taxels
 }
 
-/// Appends a frame.
+/// Appends a frame with the `values` of all taxels.
 pub fn encode(values: &[DVec3], bytes: &mut Vec<u8>) {
     bytes.extend(MARKER);
     // A conversion from `f64` saturates.
     bytes.extend(values.iter().map(|value| value.z.round() as u8));
 }
 
-/// Finds frames by their marker and that of the next frame.
+/// Finds frames by their own marker and that of the next frame.
 ///
-/// Pressures may contain the marker, at the same place of each frame while they do not change. A beginning is therefore
-/// accepted only if it is the only one possible.
+/// Pressures may contain the bytes of the marker, in the same position of each frame while they do not change. A
+/// beginning is therefore accepted only if it is the only possible one.
 #[derive(Debug, Clone)]
 pub struct Format {
     taxels: usize,
@@ -66,9 +66,10 @@ impl Format {
 
     /// Finds the first byte of a frame.
     ///
-    /// A candidate is a marker that is followed by further markers at intervals of one frame. A candidate is accepted if
-    /// all other candidates are whole frames away from it; otherwise more frames are compared. Candidates are searched
-    /// over two frames, because lost bytes may include a marker: a false candidate then never appears alone.
+    /// A candidate is a marker followed by further markers at intervals of one frame. It is accepted if all other
+    /// candidates are a whole number of frames away from it; otherwise more frames are compared. Candidates are
+    /// searched for over two frames, because lost bytes may include a marker: a false candidate is then never the only
+    /// one.
     fn find(&mut self, bytes: &[u8]) -> Step {
         let length = frame_bytes(self.taxels);
         for frames in 2..=MOST_FRAMES {

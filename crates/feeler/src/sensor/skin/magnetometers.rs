@@ -4,27 +4,27 @@ use super::decoder::Step;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// End of a frame.
+/// Last bytes of a frame.
 const END: [u8; 2] = *b"\r\n";
-/// Bytes of a chip: temperature and flux along x, y, z as `f32`.
+/// Number of bytes per chip: temperature and magnetic flux density along x, y, z as `f32`.
 const CHIP: usize = 16;
-/// Maximum number of chips.
+/// Maximum number of chips of a board.
 pub const MOST: usize = 64;
-/// Temperatures of a working chip, °C; its range is -20 to 85 °C.
+/// Plausible temperatures of a working chip, °C; its specified range is -20 to 85 °C.
 const TEMPERATURES: RangeInclusive<f32> = -60.0..=150.0;
-/// Maximum flux, µT: 32768 steps of 9.68 µT, the coarsest of the chip, rounded up.
+/// Maximum flux density, µT: 32768 steps of 9.68 µT, the coarsest resolution of the chip, rounded up.
 const LARGEST: f32 = 400_000.0;
-/// Minimum flux other than 0, µT: a hundredth of the finest step of the chip.
+/// Minimum flux density other than 0, µT: a hundredth of the finest resolution of the chip.
 const SMALLEST: f32 = 0.001;
 /// Temperature of emulated chips, °C.
 const ROOM: f32 = 25.0;
 
-/// Number of bytes in a frame, with its end.
+/// Number of bytes in a frame, including its last two.
 pub fn frame_bytes(chips: usize) -> usize {
     CHIP * chips + END.len()
 }
 
-/// Appends a frame.
+/// Appends a frame with the `values` of all chips.
 pub fn encode(values: &[DVec3], bytes: &mut Vec<u8>) {
     let limit = f64::from(LARGEST);
     for value in values {
@@ -36,11 +36,11 @@ pub fn encode(values: &[DVec3], bytes: &mut Vec<u8>) {
     bytes.extend(END);
 }
 
-/// Finds frames by the ends of the previous frame and their own, and by the ranges of their numbers.
+/// Finds frames by the last bytes of the previous frame and their own, and by the plausibility of their numbers.
 #[derive(Debug, Clone)]
 pub struct Format {
     chips: usize,
-    /// `true` if the next byte is the first of a connection, which may begin with a frame.
+    /// `true` if the next byte is the first of a connection. It may be the first of a frame.
     is_new: bool,
 }
 
@@ -56,7 +56,8 @@ impl Format {
         self.is_new = true;
     }
 
-    /// Decodes the beginning of `bytes`. The end of a frame remains, because it precedes the next one.
+    /// Decodes a frame at the beginning of `bytes`. Its last bytes are not removed, because they precede the next
+    /// frame.
     pub fn step(&mut self, bytes: &[u8], values: &mut [DVec3]) -> Step {
         let first = match self.is_new {
             true => 0,
@@ -78,7 +79,7 @@ impl Format {
     }
 }
 
-/// Skips to the next byte that may begin an end.
+/// Skips to the next byte that may be the first of a frame's last bytes.
 fn skip_to_end(bytes: &[u8]) -> Step {
     match bytes {
         [] | [b'\r'] => Step::Wait,
@@ -89,8 +90,8 @@ fn skip_to_end(bytes: &[u8]) -> Step {
     }
 }
 
-/// Reads the flux of each chip; NaN for a chip that has not measured since the board started. Returns `false` if a
-/// number is implausible.
+/// Reads the flux density of each chip; NaN for a chip that has not measured since the board started. Returns `false`
+/// if a number is implausible.
 fn read(numbers: &[u8], values: &mut [DVec3]) -> bool {
     for (chip, value) in numbers.chunks_exact(CHIP).zip(values) {
         let number = |index: usize| {

@@ -1,4 +1,4 @@
-//! Protocols of tactile skins on serial ports, without input and output.
+//! Serial protocols of tactile skins. Performs no I/O.
 //!
 //! A [`SkinDecoder`] converts received bytes to the values in the columns x, y and z of each taxel, for a
 //! [`TaxelChain`](super::taxel::TaxelChain). It finds the next whole frame after lost, inserted or changed bytes.

@@ -11,19 +11,19 @@
 use super::decoder::Step;
 use glam::DVec3;
 
-/// Beginning of a request.
+/// First bytes of a request.
 const REQUEST: [u8; 2] = [0x55, 0xAA];
-/// Beginning of a response.
+/// First bytes of a response.
 const RESPONSE: [u8; 2] = [0xAA, 0x55];
-/// Function that reads registers.
+/// Code of the function that reads registers.
 const READ: u8 = 0xFB;
-/// Index of the function in a packet.
+/// Index of the function code in a packet.
 const FUNCTION: usize = 6;
-/// Register of the forces on all taxels.
+/// Address of the register with the forces on all taxels.
 const FORCES: [u8; 4] = [0x0E, 0x04, 0x00, 0x00];
-/// Bytes of a taxel: x and y as `i8`, z as `u8`.
+/// Number of bytes per taxel: x and y as `i8`, z as `u8`.
 const TAXEL: usize = 3;
-/// Bytes of a response before its data.
+/// Number of bytes in a response before its data.
 const HEADER: usize = 14;
 
 /// Number of bytes in a response.
@@ -35,12 +35,12 @@ fn data_bytes(taxels: usize) -> usize {
     TAXEL * taxels
 }
 
-/// Byte that makes the sum of a packet 0.
+/// Checksum: byte that makes the sum of a packet 0 modulo 256.
 fn check_byte(bytes: &[u8]) -> u8 {
     bytes.iter().fold(0_u8, |sum, &byte| sum.wrapping_sub(byte))
 }
 
-/// The 13 bytes before the check byte of a request, or before the status of a response.
+/// First 13 bytes of a packet, up to the check byte of a request or the status of a response.
 fn start(marker: [u8; 2], length: usize, address: u8, taxels: usize) -> [u8; HEADER - 1] {
     let [low, high] = (length as u16).to_le_bytes();
     let [count_low, count_high] = (data_bytes(taxels) as u16).to_le_bytes();
@@ -51,20 +51,20 @@ fn start(marker: [u8; 2], length: usize, address: u8, taxels: usize) -> [u8; HEA
     ]
 }
 
-/// Request for the forces on all taxels of the module at `address`.
+/// Request for the forces on all taxels of the module with this `address`.
 pub fn request(address: u8, taxels: usize) -> Vec<u8> {
     let mut bytes = start(REQUEST, 9, address, taxels).to_vec();
     bytes.push(check_byte(&bytes));
     bytes
 }
 
-/// Number of taxels in the count of a request, or `None` if it is too short.
+/// Number of taxels in a request; `None` if it is too short.
 pub fn requested(request: &[u8]) -> Option<usize> {
     let &[low, high] = request.get(HEADER - 3..HEADER - 1)?.first_chunk()?;
     Some(usize::from(u16::from_le_bytes([low, high])) / TAXEL)
 }
 
-/// Start of the response of the module at `address`.
+/// First bytes of the response of the module with this `address`.
 fn response_start(address: u8, taxels: usize) -> [u8; HEADER - 1] {
     start(RESPONSE, 10 + data_bytes(taxels), address, taxels)
 }
@@ -82,7 +82,7 @@ pub fn encode(address: u8, values: &[DVec3], bytes: &mut Vec<u8>) {
     bytes.push(check_byte(&bytes[begin..]));
 }
 
-/// Finds responses by their header and check byte.
+/// Finds responses by their header and checksum.
 #[derive(Debug, Clone)]
 pub struct Format {
     start: [u8; HEADER - 1],
@@ -97,7 +97,8 @@ impl Format {
         }
     }
 
-    /// Decodes the beginning of `bytes`. A response with a status other than 0, an error of the module, has no values.
+    /// Decodes a response at the beginning of `bytes`. If its status is not 0, the module reports an error and there
+    /// are no values.
     pub fn step(&self, bytes: &[u8], values: &mut [DVec3]) -> Step {
         let length = response_bytes(self.taxels);
         // The source does not document the function code of responses.

@@ -1,9 +1,9 @@
-//! Splits lines into cells.
+//! Splits lines of a table into cells.
 
 use super::lines::MAX_LINE;
 use csv_core::ReaderBuilder;
 
-/// Maximum number of cells of a line; more are dropped.
+/// Maximum number of cells per line; further cells are dropped.
 const MAX_CELLS: usize = 1 << 14;
 
 /// Splits a line into cells, in preallocated buffers.
@@ -30,7 +30,7 @@ impl Cells {
         }
     }
 
-    /// Splits a line of 1 to [`MAX_LINE`] bytes, given without its end.
+    /// Splits a line of 1 to [`MAX_LINE`] bytes, without its terminator.
     pub fn split(&mut self, line: &[u8]) {
         self.reader.reset();
         let (_, _, written, count) = self
@@ -49,7 +49,7 @@ impl Cells {
         }
     }
 
-    /// Returns `true` if all quotes were closed and no cells were dropped.
+    /// Returns `true` if all quotes of the line were closed and no cells were dropped.
     pub fn is_whole(&self) -> bool {
         self.is_whole
     }
@@ -72,7 +72,7 @@ impl Cells {
         }
     }
 
-    /// All cells, trimmed.
+    /// All cells of the line, trimmed.
     pub fn iter(&self) -> impl Iterator<Item = &[u8]> {
         let cells = (0..self.count).map(|index| self.cell(index));
         cells.filter(|cell| self.separator != b' ' || !cell.is_empty())
@@ -87,7 +87,7 @@ impl Cells {
 /// Non-ASCII spaces: no-break and narrow no-break.
 const SPACES: [&[u8]; 2] = ["\u{a0}".as_bytes(), "\u{202f}".as_bytes()];
 
-/// Removes spaces around a cell, and quotes that follow a space.
+/// Removes spaces around a cell, and quotes after a space.
 fn trimmed(cell: &[u8]) -> &[u8] {
     let mut cell = cell.trim_ascii();
     while let Some(less) = SPACES

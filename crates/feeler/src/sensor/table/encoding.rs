@@ -29,17 +29,17 @@ impl Encoding {
     }
 }
 
-/// A stream decoded to UTF-8. Allocates only during construction. UTF-8 is passed through unchanged.
+/// Stream decoded to UTF-8. Allocates only during construction. UTF-8 is passed through unchanged.
 #[derive(Debug)]
 pub struct Utf8Stream<R> {
     stream: R,
     encoding: Option<Encoding>,
-    /// Decoded text; the first `taken` bytes have been consumed.
+    /// Decoded text. Its first `taken` bytes have been consumed.
     text: Vec<u8>,
     taken: usize,
-    /// First byte of a UTF-16 unit whose second byte has not arrived.
+    /// First byte of an incomplete UTF-16 unit.
     half: Option<u8>,
-    /// First unit of a surrogate pair whose second unit has not arrived.
+    /// First unit of an incomplete surrogate pair.
     high: Option<u16>,
 }
 
@@ -57,10 +57,10 @@ impl<R: BufRead> Utf8Stream<R> {
         }
     }
 
-    /// Returns the next bytes of text; empty at the end.
+    /// Returns the next decoded bytes; empty at the end.
     ///
     /// # Errors
-    /// If reading the stream fails, or is interrupted and should be retried.
+    /// If reading the stream fails. If it was interrupted, the call should be repeated.
     pub fn fill(&mut self) -> io::Result<&[u8]> {
         let encoding = match self.encoding {
             Some(encoding) => encoding,
@@ -102,7 +102,7 @@ impl<R: BufRead> Utf8Stream<R> {
         }
     }
 
-    /// Appends a replacement character for an incomplete one at the end of the stream.
+    /// Appends a replacement character if the stream ends with an incomplete character.
     fn finish(&mut self) {
         let is_torn = self.half.take().is_some() | self.high.take().is_some();
         if is_torn {
@@ -111,7 +111,7 @@ impl<R: BufRead> Utf8Stream<R> {
     }
 }
 
-/// Appends the characters completed by a UTF-16 unit. An unpaired surrogate is replaced.
+/// Appends the characters completed by the UTF-16 unit `unit`. An unpaired surrogate is replaced.
 fn take_unit(text: &mut Vec<u8>, high: &mut Option<u16>, unit: u16) {
     let first = high.take();
     if (0xd800..0xdc00).contains(&unit) {

@@ -8,7 +8,7 @@ pub enum TableError {
     /// Reading the stream failed.
     #[error("failed to read the table: {0}")]
     Read(#[from] std::io::Error),
-    /// The table has no lines with text.
+    /// The table contains no text.
     #[error("the table is empty; expected a header with the names of its columns")]
     Empty,
     /// The file is not text.
@@ -17,7 +17,7 @@ pub enum TableError {
         /// Detected kind of file.
         what: &'static str,
     },
-    /// The header contains different separators.
+    /// The header contains both semicolons and tabs.
     #[error(
         "line {line}: the header has semicolons and tabs; expected one separator (comma, semicolon or tab), and the others only in quotes"
     )]

@@ -4,21 +4,21 @@ use super::TableError;
 use super::unit::name_and_unit;
 use std::collections::HashMap;
 
-/// Maximum length of a header in an error message, characters.
+/// Maximum length of the header in an error message, characters.
 const SHOWN: usize = 200;
 
 /// Column names, with lookup by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Header {
     names: Vec<String>,
-    /// Columns by exact name: index of the first, and their number.
+    /// Columns by exact name: index of the first one, and number of columns with that name.
     exact: HashMap<String, (usize, usize)>,
-    /// Columns by name normalized by [`plain`].
+    /// Indices of columns by name normalized with [`plain`].
     plain: HashMap<String, Vec<usize>>,
 }
 
 impl Header {
-    /// Creates a header from column names.
+    /// Creates a header from the column names.
     pub fn new(names: Vec<String>) -> Self {
         let mut exact = HashMap::new();
         let mut by_plain: HashMap<_, Vec<_>> = HashMap::new();
@@ -70,7 +70,7 @@ impl Header {
     }
 }
 
-/// Truncates a long text.
+/// Truncates a long text for messages.
 pub fn shortened(text: &str) -> String {
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &text[..end]),

@@ -3,7 +3,7 @@
 use super::encoding::Utf8Stream;
 use std::io::{self, BufRead, ErrorKind};
 
-/// Maximum length of a line, bytes. 512 taxels need about 30,000.
+/// Maximum length of a line, bytes. A row of 512 taxels has about 30,000.
 pub const MAX_LINE: usize = 1 << 16;
 
 /// Kind of a line.
@@ -15,7 +15,7 @@ pub enum Line {
     TooLong,
 }
 
-/// Line reader. Lines end with CR, LF or both. Allocates only during construction.
+/// Reads lines, which end with CR, LF or both. Allocates only during construction.
 #[derive(Debug)]
 pub struct Lines<R> {
     stream: Utf8Stream<R>,
@@ -41,7 +41,7 @@ impl<R: BufRead> Lines<R> {
         self.number
     }
 
-    /// The current line without its end and without a byte order mark.
+    /// Current line, without terminator and byte order mark.
     pub fn text(&self) -> &[u8] {
         let first = self.number == 1;
         let mark = (self.text.strip_prefix(b"\xef\xbb\xbf")).filter(|_| first);

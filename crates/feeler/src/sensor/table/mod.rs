@@ -1,4 +1,4 @@
-//! Reads tables of text as written by other programs.
+//! Reads text tables (CSV and similar) written by other programs.
 //!
 //! Cells are separated by comma, semicolon or tab, detected from the header, and may be quoted. Text is UTF-8 or
 //! UTF-16; lines end with LF, CR or both. Blank lines and lines that begin with `#` are comments. A line such as

@@ -6,21 +6,21 @@ pub enum NumberError {
     /// The cell is not a number.
     #[error("not a number")]
     NotANumber,
-    /// The decimal mark may be a thousands separator.
+    /// The decimal mark could be a thousands separator.
     #[error(
         "its {0} may be a decimal {0} or a thousands separator; expected another cell that shows which, such as {example}", example = .0.example()
     )]
     Thousands(Mark),
-    /// Other cells have the other decimal mark.
+    /// The decimal mark differs from that of other cells.
     #[error(
         "it has a decimal {own}, but line {line} has a decimal {other}; expected the same mark in all lines"
     )]
     Mixed {
-        /// Mark of this cell.
+        /// Decimal mark of this cell.
         own: Mark,
-        /// Mark of the other cells.
+        /// Decimal mark of the other cells.
         other: Mark,
-        /// Line number of the first other cell, from 1.
+        /// Line number of the first of the other cells, from 1.
         line: u64,
     },
 }
@@ -28,9 +28,9 @@ pub enum NumberError {
 /// Decimal mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
-    /// `.`
+    /// Decimal point, `.`.
     Point,
-    /// `,`
+    /// Decimal comma, `,`.
     Comma,
 }
 
@@ -42,7 +42,7 @@ impl Mark {
         }
     }
 
-    /// An unambiguous number with this mark.
+    /// Example of an unambiguous number with this mark, for messages.
     fn example(self) -> &'static str {
         match self {
             Self::Point => "0.5",
@@ -63,17 +63,17 @@ impl std::fmt::Display for Mark {
 /// Maximum length of a number, bytes.
 const LONGEST: usize = 64;
 
-/// Parses numbers with the decimal mark of the first unambiguous number in a table. Does not allocate.
+/// Parses numbers with the decimal mark of the first unambiguous number in the table. Does not allocate.
 #[derive(Debug, Clone, Copy)]
 pub struct Decimals {
     mark: Option<(Mark, u64)>,
-    /// `true` if a point may be a thousands separator.
+    /// `true` if a point could be a thousands separator.
     points_divide: bool,
 }
 
 impl Decimals {
-    /// Creates a parser for a table with this `separator` between cells. If it is a semicolon, a point may be a
-    /// thousands separator, because semicolons are used where commas are decimal marks.
+    /// Creates a parser for a table with this `separator` between cells. If it is a semicolon, a point could be a
+    /// thousands separator, because semicolons are used if commas are decimal marks.
     pub fn new(separator: u8) -> Self {
         Self {
             mark: None,
@@ -119,7 +119,7 @@ pub fn is_number(cell: &[u8]) -> bool {
     number(cell).is_some()
 }
 
-/// Parses the number in a cell and its decimal mark, if any.
+/// Parses the number in a cell. Returns it with its decimal mark, if any.
 fn number(cell: &[u8]) -> Option<(f64, Option<Mark>)> {
     let mut text = [0; LONGEST];
     let text = text.get_mut(..cell.len())?;
@@ -146,8 +146,8 @@ fn number(cell: &[u8]) -> Option<(f64, Option<Mark>)> {
     Some((str::from_utf8(text).ok()?.parse().ok()?, mark))
 }
 
-/// Returns `true` if a number's mark may be a thousands separator: one to three digits before it, not starting with 0,
-/// and three after it.
+/// Returns `true` if a number's mark could be a thousands separator: one to three digits before it, not starting with
+/// 0, and three after it.
 fn may_divide_thousands(cell: &[u8], mark: Mark) -> bool {
     let signs = [b"-", b"+", "\u{2212}".as_bytes()];
     let digits = signs.iter().find_map(|sign| cell.strip_prefix(*sign));

@@ -1,4 +1,4 @@
-//! Reads the rows below a header.
+//! Reads the rows of a table.
 
 use super::cells::{Cells, SEPARATORS, separator_name, separator_of};
 use super::lines::{Line, Lines};
@@ -8,16 +8,16 @@ use super::{Header, TableError};
 use std::borrow::Cow;
 use std::io::BufRead;
 
-/// A column of numbers ([`Table::number_column`]).
+/// Handle of a numeric column ([`Table::number_column`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NumberColumn(usize);
 
-/// Properties of a column of numbers.
+/// Properties of a numeric column.
 #[derive(Debug, Clone, Copy)]
 struct Numbers {
     index: usize,
     quantity: Quantity,
-    /// Size of the column's unit, if the table states it.
+    /// Factor that converts the column's unit to the unit of its quantity; `None` if the table states no unit.
     scale: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ pub struct Table<R> {
     header: Header,
     numbers: Vec<Numbers>,
     decimals: Decimals,
-    /// `true` while a row of units may follow.
+    /// `true` if the next row may contain units.
     is_first: bool,
 }
 
@@ -82,7 +82,7 @@ impl<R: BufRead> Table<R> {
         }
     }
 
-    /// Names of the columns.
+    /// Header with the names of the columns.
     pub fn header(&self) -> &Header {
         &self.header
     }
@@ -92,7 +92,7 @@ impl<R: BufRead> Table<R> {
         separator_name(self.cells.separator())
     }
 
-    /// Returns the index of the text column `name`, or `None` if missing.
+    /// Returns the index of the text column `name`, or `None` if there is no such column.
     ///
     /// # Errors
     /// Returns [`TableError::Several`] if several columns match.
@@ -100,7 +100,7 @@ impl<R: BufRead> Table<R> {
         self.header.find(name)
     }
 
-    /// Returns the column of numbers `name`, or `None` if missing.
+    /// Returns the numeric column `name`, or `None` if there is no such column.
     ///
     /// # Errors
     /// If several columns match, or if the column's unit does not fit `quantity`.
@@ -161,7 +161,7 @@ impl<R: BufRead> Table<R> {
         Ok(false)
     }
 
-    /// Rejects a row that is longer or shorter than the header, not counting empty cells at its end.
+    /// Rejects a row with more or fewer cells than the header, ignoring empty cells at its end.
     fn check_count(&self, line: u64) -> Result<(), TableError> {
         let (cells, expected) = (self.cells.count(), self.header.names().len());
         let is_empty = |cell: &[u8]| cell.is_empty();
@@ -177,7 +177,7 @@ impl<R: BufRead> Table<R> {
         })
     }
 
-    /// Stores the units and returns `true` if this is a row of units.
+    /// If the current row contains units, stores them and returns `true`.
     fn take_units(&mut self, line: u64) -> Result<bool, TableError> {
         let named =
             |numbers: &Numbers| String::from_utf8_lossy(self.cells.get(numbers.index)).into_owned();
@@ -211,17 +211,17 @@ impl<R: BufRead> Table<R> {
         self.lines.number()
     }
 
-    /// Cell of the current row in a column; empty if missing.
+    /// Cell of the current row in the column with index `column`; empty if missing.
     pub fn text(&self, column: usize) -> Cow<'_, str> {
         String::from_utf8_lossy(self.cells.get(column))
     }
 
-    /// Unparsed cell of the current row in a column of numbers.
+    /// Cell of the current row in a numeric column, as text.
     pub fn number_text(&self, column: NumberColumn) -> Cow<'_, str> {
         self.text(self.numbers[column.0].index)
     }
 
-    /// Number in a column of the current row, in the unit of its [`Quantity`].
+    /// Parses the number in a column of the current row, and converts it to the unit of its [`Quantity`].
     ///
     /// # Errors
     /// If the cell is not a number, or is ambiguous.
@@ -231,9 +231,9 @@ impl<R: BufRead> Table<R> {
         Ok(scale.map_or(number, |scale| scale * number))
     }
 
-    /// Integer in a column of the current row, written as in `3` or `3.0`, or `None` if the cell is not an integer.
+    /// Integer in a column of the current row, written as `3` or `3.0`; `None` if the cell is not an integer.
     pub fn whole(&self, column: usize) -> Option<u64> {
-        /// First integer beyond which `f64` cannot represent every integer.
+        /// Number above which `f64` cannot represent every integer.
         const LARGEST: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
         let text = self.text(column);
         let written_as_float = || {

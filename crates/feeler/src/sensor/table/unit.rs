@@ -1,25 +1,25 @@
 //! Units of columns.
 
-/// Quantity that a column contains.
+/// Physical quantity of a column, with the unit to which values are converted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// A force, N.
+    /// Force, N.
     Force,
-    /// A torque, N m.
+    /// Torque, N m.
     Torque,
-    /// A time, s.
+    /// Time, s.
     Time,
-    /// A length, m.
+    /// Length, m.
     Length,
-    /// An angle, rad.
+    /// Angle, rad.
     Angle,
-    /// A position in an image, px.
+    /// Position in an image, px.
     Pixels,
-    /// Any quantity; units are not converted.
+    /// Any quantity; values are not converted.
     Any,
 }
 
-/// Names of units with their quantity and their size in feeler's unit of that quantity.
+/// Supported units: name, quantity, and factor that converts to the unit of the [`Quantity`].
 const UNITS: [(&str, Quantity, f64); 39] = [
     ("N", Quantity::Force, 1.0),
     ("mN", Quantity::Force, 1e-3),
@@ -64,13 +64,14 @@ const UNITS: [(&str, Quantity, f64); 39] = [
     ("pixels", Quantity::Pixels, 1.0),
 ];
 
-/// Names of units of raw values, such as ADC counts.
+/// Names for raw values, such as ADC counts.
 const COUNTS: [&str; 8] = [
     "counts", "count", "cts", "raw", "lsb", "digits", "adc", "a.u.",
 ];
 
 impl Quantity {
-    /// Size of the unit `name` in feeler's unit, or `None` if it is not a unit of this quantity.
+    /// Factor that converts from the unit `name` to the unit of the quantity; `None` if it is not a unit of this
+    /// quantity.
     pub fn scale(self, name: &str) -> Option<f64> {
         if self == Self::Any {
             return Some(1.0);
@@ -81,7 +82,7 @@ impl Quantity {
         own.map(|(.., scale)| *scale)
     }
 
-    /// Supported units, for messages.
+    /// Supported units of the quantity, for messages.
     pub fn units(self) -> &'static str {
         match self {
             Self::Force => "N, mN, µN, kN, kgf or gf",
@@ -95,7 +96,7 @@ impl Quantity {
     }
 }
 
-/// Returns `true` if the cells below the header are units: at least one unit, and otherwise dashes or empty cells.
+/// Returns `true` if a row contains units: at least one unit, and otherwise only dashes or empty cells.
 pub fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
     let mut is_named = false;
     for cell in cells.map(without_brackets) {

@@ -2,16 +2,16 @@
 
 use super::{TaxelError, TaxelLayout};
 
-/// A built-in layout.
+/// Layout of a taxel array that is part of this crate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltInTaxels {
     /// Name of the layout.
     pub name: &'static str,
-    /// Text of its file.
+    /// Text of the layout file.
     pub text: &'static str,
 }
 
-/// Builds the array of layouts with the given names from their files.
+/// Creates the array of built-in layouts from the files with the given names.
 macro_rules! built_in {
     ($($name:literal),* $(,)?) => {
         [$(BuiltInTaxels {
@@ -33,7 +33,7 @@ pub const BUILT_IN_TAXELS: [BuiltInTaxels; 7] = built_in![
 ];
 
 impl BuiltInTaxels {
-    /// Returns the layout called `name`, or `None` if missing.
+    /// Returns the built-in layout called `name`, or `None` if it does not exist.
     pub fn named(name: &str) -> Option<Self> {
         BUILT_IN_TAXELS.into_iter().find(|b| b.name == name)
     }

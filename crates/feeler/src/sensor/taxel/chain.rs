@@ -1,4 +1,4 @@
-//! Converts the values of a row to forces.
+//! Converts the values of a table row to forces.
 
 use super::zero::Zeros;
 use super::{Axes, TaxelError, TaxelLayout, common_mode};
@@ -12,10 +12,10 @@ pub struct TaxelChain {
     axes: Axes,
     /// Counts per newton in the columns x, y, z of each taxel; 1 if the columns are in newtons or forces are in counts.
     scales: Vec<DVec3>,
-    /// Cosine and sine of each taxel's rotation.
+    /// Cosine and sine of the rotation of each taxel about its normal.
     turns: Vec<DVec2>,
     zeros: Zeros,
-    /// `true` to subtract the mean over all taxels.
+    /// `true` if the mean over all taxels is subtracted.
     common_mode: bool,
 }
 
@@ -45,16 +45,16 @@ impl TaxelChain {
         self.turns.len()
     }
 
-    /// Starts a new sequence: the zeros are measured again.
+    /// Starts a new sequence, in which the zeros are measured again.
     pub fn restart(&mut self) {
         self.zeros.restart();
     }
 
     /// Computes the forces at `stamp` (s) from the `values` in the columns x, y, z of each taxel, NaN if missing.
     ///
-    /// Forces are in each element's frame `E_i`, in N as in a [`TactileFrame`](crate::sensor::forces::reading::TactileFrame),
-    /// or in counts ([`TaxelLayout::force_unit`]). A taxel without a value or without a zero gets [`NO_FORCE`]. Neither
-    /// allocates nor panics.
+    /// Forces are in each element's frame `E_i`, in N as in a
+    /// [`TactileFrame`](crate::sensor::forces::reading::TactileFrame), or in counts ([`TaxelLayout::force_unit`]). The
+    /// force of a taxel without a value or without a zero is [`NO_FORCE`]. Neither allocates nor panics.
     pub fn sense(&mut self, stamp: f64, values: &[DVec3], forces: &mut [DVec3]) {
         self.zeros.take(values);
         let off_zero = values.iter().enumerate();
@@ -78,13 +78,14 @@ impl TaxelChain {
         self.zeros.follow(stamp, values, &self.scales, longest);
     }
 
-    /// Taxels without a zero after the unloaded rows.
+    /// Indices of taxels without a zero after the unloaded rows.
     pub(super) fn without_zero(&self) -> impl Iterator<Item = usize> + '_ {
         let all = 0..self.element_count();
         all.filter(|&taxel| self.zeros.of(taxel).is_nan())
     }
 
-    /// Returns `true` after the unloaded rows. Before, forces are relative to the mean of the rows so far.
+    /// Returns `true` once all unloaded rows have been processed. Before that, forces are relative to the mean of the
+    /// rows so far.
     pub fn has_zeros(&self) -> bool {
         self.zeros.are_taken()
     }

@@ -6,16 +6,16 @@ use crate::check::Checker;
 use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use std::collections::HashSet;
 
-/// Maximum number of columns of a table without a header, and maximum length of a name in characters.
+/// Maximum number of columns of a table without a header, and maximum number of characters in a name.
 const MAX_COLUMNS: usize = 8192;
 const MAX_NAME: usize = 100;
-/// Maximum number of rows averaged for a zero.
+/// Maximum number of rows that are averaged for a zero.
 const MAX_ZERO_ROWS: u32 = 100_000;
-/// Range of counts per newton. Negative signs belong in `axes`.
+/// Valid range of counts per newton. Negative signs belong in `axes`.
 const SCALE: (f64, f64) = (1e-6, 1e9);
 
 impl TaxelLayout {
-    /// Checks that every value is in its range.
+    /// Checks that every value of the layout is in its range.
     ///
     /// # Errors
     /// Returns [`TaxelError::Values`] with all values that are out of range.
@@ -151,11 +151,11 @@ impl TaxelLayout {
     }
 }
 
-/// Cosine of the largest angle between normals that count as the same.
+/// Cosine of the maximum angle between normals that count as parallel.
 const PARALLEL: f64 = 0.999;
 
 impl TaxelLayout {
-    /// A uniform field can be rejected only if it looks the same to all taxels.
+    /// Checks that common-mode rejection is possible: a uniform field must have the same effect on all taxels.
     fn check_common_mode(&self, checker: &mut Checker) {
         if !self.common_mode {
             return;

@@ -5,47 +5,47 @@ use crate::sensor::table::{
     Cells, Header, Quantity, TableError, are_units, is_no_unit, without_brackets,
 };
 
-/// Role of a column.
+/// Meaning of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Not used.
     Other,
     /// Time of the row.
     Time,
-    /// Name of the sequence.
+    /// Name of the sequence to which the row belongs.
     Sequence,
-    /// Value of a taxel along an axis: 0 is x, 1 is y, 2 is z.
+    /// Value of a taxel along an axis (0 is x, 1 is y, 2 is z).
     Value { taxel: usize, axis: usize },
 }
 
-/// The columns of a table.
+/// Meaning and units of the columns of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
     /// Column names.
     pub header: Header,
     /// Role of each column.
     pub roles: Vec<Role>,
-    /// Unit of the values in the layout.
+    /// Unit of the values according to the layout.
     unit: TaxelUnit,
-    /// Unit of the time in the layout.
+    /// Unit of the time according to the layout.
     time: TimeUnit,
 }
 
 impl TaxelLayout {
-    /// Column names x, y and z of a taxel.
+    /// Names of the columns x, y and z of a taxel.
     fn columns_of(&self, taxel: usize) -> [String; 3] {
         let columns = &self.columns;
         let number = u64::from(columns.first) + taxel as u64;
         [&columns.x, &columns.y, &columns.z].map(|pattern| self.column_name(pattern, number))
     }
 
-    /// Column name from a pattern, for the taxel with this number.
+    /// Column name from a pattern, for the taxel with this `number`.
     fn column_name(&self, pattern: &str, number: u64) -> String {
         let named = pattern.replace("{n}", &number.to_string());
         named.replace("{prefix}", &self.columns.prefix)
     }
 
-    /// Number of columns that the pattern stands for.
+    /// Number of columns that match the pattern: one per taxel, or one.
     fn repeats(&self, pattern: &str) -> usize {
         match is_of_taxel(pattern) {
             true => self.taxels.len(),
@@ -53,7 +53,7 @@ impl TaxelLayout {
         }
     }
 
-    /// Column names of a table with a time column (if the layout has none, `time`), and the columns of all taxels.
+    /// Column names of a table: the time column (`time` if the layout has none), then the columns of all taxels.
     pub fn table_header(&self) -> Vec<String> {
         let time = self.columns.time.as_ref();
         let time = time.map_or("time", |time| &time.column).to_owned();
@@ -61,7 +61,7 @@ impl TaxelLayout {
         std::iter::once(time).chain(taxels).collect()
     }
 
-    /// Column name x of the first taxel.
+    /// Name of column x of the first taxel.
     pub(super) fn first_column(&self) -> String {
         let [x, ..] = self.columns_of(0);
         x
@@ -88,7 +88,7 @@ impl TaxelLayout {
     }
 }
 
-/// Returns `true` if the pattern stands for one column per taxel.
+/// Returns `true` if the pattern has one column per taxel.
 fn is_of_taxel(pattern: &str) -> bool {
     pattern.contains("{n}")
 }
@@ -125,7 +125,7 @@ impl Columns {
         Ok(columns)
     }
 
-    /// Returns `true` if `header` contains a column of `layout`, possibly with another prefix.
+    /// Returns `true` if `header` contains a column of `layout`, possibly with a different prefix.
     pub fn is_header(layout: &TaxelLayout, header: &Header) -> bool {
         let named = |name: &String| !matches!(header.find(name), Ok(None));
         let mut taxels = 0..layout.taxels.len();
@@ -147,7 +147,7 @@ impl Columns {
         })
     }
 
-    /// Returns `true` if the cells below the header are units.
+    /// Returns `true` if the row below the header contains units.
     ///
     /// # Errors
     /// Returns [`TaxelError::Unit`] if a unit differs from the layout.
@@ -196,7 +196,7 @@ impl Columns {
         }
     }
 
-    /// Assigns a role to the column at `place`, which the layout calls `name`.
+    /// Assigns a role to the column with index `place`, named `name` in the layout.
     fn give(&mut self, place: usize, role: Role, name: &str) -> Result<(), TaxelError> {
         let column = &self.header.names()[place];
         if self.roles[place] != Role::Other {
@@ -214,7 +214,7 @@ impl Columns {
     }
 }
 
-/// Returns an error that lists other prefixes, if the first taxel's columns exist with other prefixes.
+/// Error with the prefixes found, if columns of the first taxel exist with other prefixes than the layout's.
 fn other_prefix(names: &[String], layout: &TaxelLayout, missing: &str) -> Option<TaxelError> {
     let pattern = &layout.columns.x;
     let named = pattern.replace("{n}", &layout.columns.first.to_string());

@@ -1,12 +1,12 @@
 //! Rejection of uniform magnetic fields: the mean over all taxels is subtracted from each.
 //!
-//! A uniform field adds the same vector to all readings, expressed in the axes of each chip. A force on one of n taxels
+//! A uniform field adds the same vector to all readings, in the axes of each chip. A force on one of n taxels
 //! contributes 1/n of itself to the mean: it is measured reduced by 1/n, and all other taxels report -1/n of it.
 
 use super::Axes;
 use glam::{DVec2, DVec3};
 
-/// Minimum number of taxels with a value, for a mean that is not dominated by one of them.
+/// Minimum number of valid taxels, so that a single one does not dominate the mean.
 pub const FEWEST: usize = 3;
 
 /// Mean of `readings` in the columns x, y and z of each taxel, in the common frame of all taxels; NaN if fewer than

@@ -3,7 +3,7 @@
 use super::{MAX_LINE, TAXEL_LAYOUT_VERSION};
 use crate::check::{Problem, joined};
 
-/// Error of reading a taxel array.
+/// Error of a taxel layout or of reading a taxel array's table.
 #[derive(Debug, thiserror::Error)]
 pub enum TaxelError {
     /// The text is not a taxel layout.
@@ -18,7 +18,7 @@ pub enum TaxelError {
         /// Version of the file.
         actual: u32,
     },
-    /// Values are out of range.
+    /// Values of the layout are out of range.
     #[error("{}", joined(.0))]
     Values(Vec<Problem>),
     /// A column is missing from the header or occurs more than once.
@@ -43,15 +43,15 @@ pub enum TaxelError {
         /// Unit in the layout.
         expected: &'static str,
     },
-    /// The columns exist with other prefixes only.
+    /// The columns exist only with other prefixes.
     #[error("no column {column:?} in the header; expected another prefix: {}", .prefixes.join(" or "))]
     Prefix {
         /// Name of the missing column.
         column: String,
-        /// Prefixes of similar columns.
+        /// Prefixes with which the columns exist.
         prefixes: Vec<String>,
     },
-    /// The table starts with a row of numbers.
+    /// The table starts with a row of numbers instead of a header.
     #[error(
         "missing header: line {line} has {cells} numbers; expected a header with {column:?}, or all columns \
          listed in columns.without_header of the layout"
@@ -61,7 +61,7 @@ pub enum TaxelError {
         line: u64,
         /// Number of cells.
         cells: usize,
-        /// First column of the layout.
+        /// Name of the first column expected by the layout.
         column: String,
     },
     /// The number of columns of a table without a header differs from the layout.
@@ -76,10 +76,10 @@ pub enum TaxelError {
         /// Line number of the first row.
         line: u64,
     },
-    /// No line is a header of the layout.
+    /// No header that matches the layout was found.
     #[error("no header with {column:?} in {lines} lines; the first is {first:?}")]
     HeaderNotFound {
-        /// First column of the layout.
+        /// Name of the first column expected by the layout.
         column: String,
         /// Number of lines searched.
         lines: u64,
@@ -98,10 +98,10 @@ pub enum TaxelError {
         /// Name of the column.
         column: String,
     },
-    /// There is no source of time.
+    /// The rows have no time: the layout has no time column and no rate is known.
     #[error("rows have no time; expected a rate, or columns.time or rate in the layout")]
     NoTime,
-    /// The rate is out of range.
+    /// The rate of the rows is out of range.
     #[error("expected a rate of 0.001 to 100000 Hz, got {actual} Hz")]
     Rate {
         /// The rate, Hz.

@@ -5,8 +5,9 @@ use crate::check::{Checker, Problem};
 use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use serde::Deserialize;
 
-/// Table `[grid]` of a layout file: taxels in rows, which are numbered along the columns first. Its middle is the origin
-/// of `T`, columns are along y and rows along -z, so that it looks like the matrix of readings from outside.
+/// Table `[grid]` of a layout file: a regular grid of taxels, numbered row by row. Its middle is the origin of `T`;
+/// columns are along y and rows along -z, so that the grid has the arrangement of the matrix of readings when viewed
+/// from outside.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Grid {
@@ -19,7 +20,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Returns the grid in the text of a layout, with the rest of the text, or `None` if it contains no grid.
+    /// Extracts the grid from the text of a layout. Returns it with the remaining text, or `None` if the text contains
+    /// no grid.
     ///
     /// # Errors
     /// If the text is not TOML, or if values of the grid are out of range.
@@ -34,7 +36,7 @@ impl Grid {
         Ok(Some((grid, table)))
     }
 
-    /// Checks the grid of a layout that also lists taxels if `is_listed`.
+    /// Checks the grid of a layout. `is_listed` is `true` if the layout also lists taxels.
     fn check(&self, is_listed: bool) -> Result<(), Vec<Problem>> {
         let mut checker = Checker::default();
         let (rows, columns) = (self.rows, self.columns);

@@ -1,4 +1,4 @@
-//! Finds the header of a table.
+//! Finds the header of a taxel array's table.
 
 use super::columns::Columns;
 use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
@@ -14,8 +14,8 @@ pub fn is_comment(text: &[u8]) -> bool {
     text.is_empty() || text.starts_with(b"#")
 }
 
-/// Determines the columns from the header or, if a row comes before any header, from the layout. Returns the columns,
-/// the cells of the current line, and `true` if that line is a row.
+/// Determines the columns from the header or, if a row of values comes first, from the layout. Returns the columns, the
+/// cells of the current line, and `true` if that line is a row of values.
 pub fn find_header<R: BufRead>(
     lines: &mut Lines<R>,
     layout: &TaxelLayout,

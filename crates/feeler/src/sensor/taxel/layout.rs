@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Supported version of the taxel layout file.
 pub const TAXEL_LAYOUT_VERSION: u32 = 1;
 
-/// A taxel array: its columns, positions, axes and units.
+/// Description of a taxel array: its columns, positions, axes and units.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaxelLayout {
@@ -25,32 +25,32 @@ pub struct TaxelLayout {
     pub description: String,
     /// Unit of the columns.
     pub unit: TaxelUnit,
-    /// Counts per newton in the columns x, y and z, for taxels without their own. If neither is set, forces are in
-    /// counts. Only with [`unit`](Self::unit) `counts`.
+    /// Counts per newton in the columns x, y and z, for taxels that do not specify them. If neither is set, forces are
+    /// in counts. Only with [`unit`](Self::unit) `counts`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts_per_newton: Option<[f64; 3]>,
-    /// Rows per second, used if there is no time column and no rate is given.
+    /// Rows per second. Used if there is no time column and no rate is given when the table is opened.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f64>,
-    /// The columns.
+    /// Names of the columns.
     pub columns: ColumnNames,
     /// Assignment of a taxel's axes to its columns.
     #[serde(default)]
     pub axes: Axes,
-    /// Zero of the columns.
+    /// Source of the zero of each column.
     #[serde(default)]
     pub zero: ZeroConfig,
-    /// Rule for measuring the zero again, or `None` to measure it once.
+    /// Rule for measuring the zero again; `None` to measure it only once per sequence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rezero: Option<ZeroRule>,
-    /// Slow correction of the zero, or `None` for no correction.
+    /// Slow drift correction of the zero; `None` to disable it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<TaxelDrift>,
     /// `true` to subtract the mean reading of all taxels from each, which rejects uniform magnetic fields. Requires at
     /// least three taxels with the same normal.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub common_mode: bool,
-    /// Protocol in which the array sends its readings over a serial port, or `None` if they come as a table only.
+    /// Protocol in which the array sends its readings over a serial port; `None` if they are available only as a table.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub serial: Option<SerialConfig>,
     /// The taxels in order of their numbers: element i is the i-th taxel.
@@ -58,15 +58,16 @@ pub struct TaxelLayout {
     pub taxels: Vec<Taxel>,
 }
 
-/// Names of columns. In `x`, `y` and `z`, `{n}` is replaced by the taxel's number and `{prefix}` by the array's prefix.
+/// Names of the columns of the table. In `x`, `y` and `z`, `{n}` is replaced by the taxel's number and `{prefix}` by
+/// the array's prefix.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnNames {
-    /// Column x of a taxel, as in `txl{n}_x`.
+    /// Name of a taxel's column x, as in `txl{n}_x`.
     pub x: String,
-    /// Column y of a taxel.
+    /// Name of a taxel's column y.
     pub y: String,
-    /// Column z of a taxel.
+    /// Name of a taxel's column z.
     pub z: String,
     /// Prefix that distinguishes this array's columns from those of other arrays in the same table.
     #[serde(default)]
@@ -77,7 +78,7 @@ pub struct ColumnNames {
     /// Time column; if `None`, rows have a fixed rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<TimeColumn>,
-    /// Column whose value changes when a new sequence starts, again without load.
+    /// Column whose value changes when a new sequence starts. Each sequence starts without load.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sequence: Option<String>,
     /// Separator between cells; if `None`, a comma, a semicolon or a tab, detected from the header.
@@ -102,12 +103,13 @@ pub struct TimeColumn {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ZeroConfig {
-    /// Number of unloaded rows at the start of each sequence, whose mean is the zero; while they are read, the mean so
-    /// far. If 0, the zero is [`Taxel::zero`], or 0.
+    /// Number of unloaded rows at the start of each sequence, whose mean is the zero. During these rows, the zero is
+    /// the mean so far. If 0, the zero is [`Taxel::zero`], or 0.
     pub rows: u32,
 }
 
-/// Measures the zero again after a time without contact and motion, as the mean of the values during that time.
+/// Rule for measuring the zero again after a time without contact and motion: it becomes the mean of the values during
+/// that time.
 ///
 /// A constant press that is weaker than [`untouched`](Self::untouched) becomes part of the zero.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -117,14 +119,14 @@ pub struct ZeroRule {
     pub after: f64,
     /// Maximum magnitude of the reading of an untouched taxel, N (or counts if forces are in counts).
     pub untouched: f64,
-    /// Maximum change of each component of a still taxel during that time, N (or counts).
+    /// Maximum change of each component of a taxel's reading during that time, N (or counts).
     pub still: f64,
 }
 
 /// Slow drift correction of the zero while no taxel of the array is touched.
 ///
-/// Drift beyond [`untouched`](Self::untouched) looks like a touch and is not corrected. A press that is weaker than
-/// this and slower than [`time_constant`](Self::time_constant) is mistaken for drift, up to [`most`](Self::most).
+/// Drift beyond [`untouched`](Self::untouched) is indistinguishable from contact and is not corrected. A press that is
+/// weaker and slower than [`time_constant`](Self::time_constant) is mistaken for drift, up to [`most`](Self::most).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaxelDrift {
@@ -132,7 +134,7 @@ pub struct TaxelDrift {
     pub untouched: f64,
     /// Time constant of the correction, s.
     pub time_constant: f64,
-    /// Time after a touch without correction, because the skin still creeps, s.
+    /// Duration after a contact without correction, because the skin still creeps, s.
     #[serde(default = "one_second")]
     pub settle: f64,
     /// Maximum total correction of each force component of a taxel (N, or counts).
@@ -147,9 +149,9 @@ fn one_second() -> f64 {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Taxel {
-    /// Position, m in the fingertip frame `T`.
+    /// Position of the taxel, m in the fingertip frame `T`.
     pub place: [f64; 3],
-    /// Outward normal in `T`, of any length.
+    /// Outward normal in `T`; its length does not matter.
     #[serde(default = "along_x")]
     pub normal: [f64; 3],
     /// Rotation of the taxel's x axis about the normal, relative to x of the element's frame `E_i`
@@ -157,10 +159,10 @@ pub struct Taxel {
     /// at the skin from outside.
     #[serde(default)]
     pub turn_deg: f64,
-    /// Counts per newton in the columns x, y and z.
+    /// Counts per newton in the columns x, y and z; `None` for those of the layout.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub counts_per_newton: Option<[f64; 3]>,
-    /// Values of the columns x, y and z without load, in their unit. Set for all taxels or for none.
+    /// Values of the columns x, y and z without load, in the unit of the columns. Set for all taxels or for none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub zero: Option<[f64; 3]>,
 }
@@ -170,7 +172,7 @@ fn along_x() -> [f64; 3] {
 }
 
 impl Taxel {
-    /// Creates a taxel at `place` that faces along x of `T`.
+    /// Creates a taxel at `place` whose normal is along x of `T`.
     pub(super) fn at(place: [f64; 3]) -> Self {
         Self {
             place,
@@ -181,7 +183,7 @@ impl Taxel {
         }
     }
 
-    /// Returns the element with its outward normal and frame `E_i`.
+    /// Returns the sensing element of the taxel, with its outward normal and frame `E_i`.
     pub fn element(&self) -> SensingElement {
         SensingElement::facing(DVec3::from_array(self.normal).normalize_or(DVec3::X))
     }
@@ -221,7 +223,7 @@ impl TaxelLayout {
         Ok(toml::to_string(self)?)
     }
 
-    /// Identifies the array for a calibration: units, axes, common mode and taxels, but neither columns nor zeros.
+    /// Identifies the array in calibrations: units, axes, common mode and taxels, but neither columns nor zeros.
     ///
     /// # Errors
     /// If a value cannot be represented in TOML.
@@ -249,8 +251,8 @@ impl TaxelLayout {
         Ok(CalibrationTarget::layout(&text, count, LengthUnit::Metre))
     }
 
-    /// Converts a vector in the frame of a taxel's element to its columns x, y and z, in the unit of the columns. NaN if
-    /// there is no such taxel. The inverse of the axes and the rotation of a taxel.
+    /// Converts a vector in the frame of a taxel's element to its columns x, y and z, in the unit of the columns. NaN
+    /// if there is no such taxel. Inverts the axes and the rotation of the taxel.
     pub fn in_columns(&self, taxel: usize, vector: DVec3) -> DVec3 {
         let turn = self.taxels.get(taxel).map_or(f64::NAN, |t| t.turn_deg);
         let turn = direction_at(turn.to_radians());
@@ -278,7 +280,7 @@ impl TaxelLayout {
         taxels.map(|taxel| (taxel.element(), DVec3::from_array(taxel.place)))
     }
 
-    /// Element layout for control laws and tasks. Frames are exact. Since elements of an [`ElementLayout`] lie on a
+    /// Element layout for control laws and tasks. Its frames are exact. Since elements of an [`ElementLayout`] lie on a
     /// dome around the origin of `T`, its radius is the mean distance of the taxels from the origin.
     pub fn element_layout(&self) -> ElementLayout {
         let count = self.taxels.len().max(1) as f64;

@@ -1,4 +1,4 @@
-//! Measures the zero again while nothing touches the skin.
+//! Measures the zero again while nothing is in contact with the skin.
 
 use super::ZeroRule;
 use glam::DVec3;
@@ -7,7 +7,7 @@ use glam::DVec3;
 #[derive(Debug, Clone)]
 pub struct StillTime {
     rule: ZeroRule,
-    /// Stamps of the first row and of the latest row, s.
+    /// Times of the first and the latest row, s.
     span: Option<(f64, f64)>,
     /// Mean of each taxel's valid values, and their number.
     means: Vec<(DVec3, u32)>,
@@ -31,8 +31,8 @@ impl StillTime {
         self.first.fill(DVec3::NAN);
     }
 
-    /// Adds a row of `values` at `stamp` (s), with the largest magnitude of all readings. Returns `true` if the means are a
-    /// new zero.
+    /// Adds a row of `values` at time `stamp` (s). `longest` is the largest magnitude of all readings. Returns `true`
+    /// if the duration is sufficient for the means to become the new zero.
     pub fn add(&mut self, stamp: f64, values: &[DVec3], scales: &[DVec3], longest: f64) -> bool {
         if longest > self.rule.untouched {
             self.restart();
@@ -55,14 +55,14 @@ impl StillTime {
         stamp - begin >= self.rule.after
     }
 
-    /// Returns `true` if a value differs too much from the first one.
+    /// Returns `true` if a value differs too much from the first one of its taxel.
     fn moves(&self, values: &[DVec3], scales: &[DVec3]) -> bool {
         let taxels = values.iter().zip(&self.first).zip(scales);
         let mut changes = taxels.map(|((value, first), &scale)| ((value - first) / scale).abs());
         changes.any(|change| change.max_element() > self.rule.still)
     }
 
-    /// Mean of a taxel, or `None` if it had no valid value.
+    /// Mean value of a taxel; `None` if it had no valid value.
     pub fn mean(&self, taxel: usize) -> Option<DVec3> {
         let (mean, count) = self.means[taxel];
         (count > 0).then_some(mean)

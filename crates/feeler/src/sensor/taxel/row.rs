@@ -1,4 +1,4 @@
-//! Parses the cells of a line.
+//! Parses the cells of a table row.
 
 use super::columns::{Columns, Role};
 use super::{Place, Trouble, Troubles};
@@ -11,7 +11,7 @@ const LARGEST: f64 = 1e12;
 /// Maximum time, s: about three thousand years.
 const LATEST: f64 = 1e11;
 
-/// Values of a line.
+/// Parsed values of a line.
 #[derive(Debug, Clone)]
 pub struct Values {
     /// Values in the columns x, y, z of each taxel; NaN if one of the three is invalid.
@@ -27,8 +27,8 @@ pub struct Values {
 }
 
 impl Values {
-    /// Creates values for `taxels` taxels of a table with this `separator` between cells. Names of sequences up to
-    /// `longest` bytes do not allocate.
+    /// Creates values for `taxels` taxels of a table with this `separator` between cells. Does not allocate later for
+    /// names of sequences of up to `longest` bytes.
     pub fn new(taxels: usize, separator: u8, longest: usize) -> Self {
         Self {
             values: vec![DVec3::NAN; taxels],
@@ -39,7 +39,7 @@ impl Values {
         }
     }
 
-    /// Reads the `cells` of a `line`, and counts problems. Returns `true` if the line is a row.
+    /// Parses the `cells` of a `line`, and counts problems. Returns `true` if the line is a row of values.
     pub fn read(
         &mut self,
         columns: &Columns,
@@ -103,7 +103,7 @@ impl Values {
     }
 }
 
-/// Returns `true` if a time is a valid stamp, s.
+/// Returns `true` if `seconds` is a valid time.
 pub fn is_time(seconds: f64) -> bool {
     seconds.abs() <= LATEST
 }

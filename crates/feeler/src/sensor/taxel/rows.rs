@@ -9,10 +9,10 @@ use crate::sensor::table::{Cells, Line, Lines, MAX_LINE, TableError};
 use glam::DVec3;
 use std::io::{self, BufRead};
 
-/// One row.
+/// One row of a taxel array's table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TaxelRow {
-    /// Number of the row, from 0.
+    /// Index of the row, from 0.
     pub number: u64,
     /// Time of the row, s, from its column or from the rate.
     pub stamp: f64,
@@ -34,30 +34,30 @@ impl TaxelRow {
     }
 }
 
-/// Source of the rows' times.
+/// Source of the times of the rows.
 #[derive(Debug, Clone, Copy)]
 enum Clock {
-    /// A fixed rate, Hz.
+    /// Fixed rate, Hz.
     Rate(f64),
-    /// A column, with the size of its unit in seconds.
+    /// Time column, with its unit in seconds.
     Column(f64),
 }
 
-/// Reads the rows of a table. Allocates only when it is opened.
+/// Reads the rows of a taxel array's table. Allocates only when it is opened.
 #[derive(Debug)]
 pub struct TaxelRows<R> {
     lines: Lines<R>,
     cells: Cells,
     columns: Columns,
     header: Vec<u8>,
-    /// `true` while a row of units may follow.
+    /// `true` if the next row may contain units.
     is_below_header: bool,
-    /// `true` if the current line, read during the search for a header, is a row that has not been returned yet.
+    /// `true` if the current line is a row that was read during the search for a header and has not been returned yet.
     is_waiting: bool,
     clock: Clock,
     times: Times,
     values: Values,
-    /// Hash of the previous row.
+    /// Hash of the previous row, to detect repetitions.
     before: Option<u64>,
     sequence: Vec<u8>,
     next: u64,
@@ -70,7 +70,8 @@ impl<R: BufRead> TaxelRows<R> {
     /// Empty lines and lines that begin with `#` are comments.
     ///
     /// # Errors
-    /// If the header does not match the layout, if there is no source of time, or if reading the stream fails.
+    /// If the header does not match the layout, if there is neither a time column nor a rate, or if reading the stream
+    /// fails.
     pub fn open(stream: R, layout: &TaxelLayout, rate: Option<f64>) -> Result<Self, TaxelError> {
         let clock = clock(layout, rate)?;
         let timed = matches!(clock, Clock::Column(_));
@@ -148,7 +149,7 @@ impl<R: BufRead> TaxelRows<R> {
         }
     }
 
-    /// Advances to the next line that is not too long. Returns `false` at the end.
+    /// Advances to the next line of valid length. Returns `false` at the end.
     fn next_line(&mut self) -> io::Result<bool> {
         if std::mem::take(&mut self.is_waiting) {
             return Ok(true);
@@ -163,7 +164,7 @@ impl<R: BufRead> TaxelRows<R> {
         Ok(false)
     }
 
-    /// Fills `row` from the values read.
+    /// Fills `row` with the values parsed from `line`.
     fn take(&mut self, line: u64, row: &mut TaxelRow) {
         let named = !self.values.sequence.is_empty();
         row.starts_sequence = self.next == 0 || named && self.values.sequence != self.sequence;
@@ -187,7 +188,7 @@ impl<R: BufRead> TaxelRows<R> {
         self.next += 1;
     }
 
-    /// Time of the row in `line`, s.
+    /// Time of the current row, s.
     fn time(&mut self, line: u64, unit: f64) -> f64 {
         let time = self.values.time.map(|time| time * unit);
         let Some(time) = time.filter(|&time| is_time(time)) else {
@@ -227,7 +228,7 @@ impl<R: BufRead> TaxelRows<R> {
         &self.troubles
     }
 
-    /// Mutable access to the problems, to add others.
+    /// Mutable access to the problems, to add further ones.
     pub(super) fn troubles_mut(&mut self) -> &mut Troubles {
         &mut self.troubles
     }
@@ -237,7 +238,7 @@ impl<R: BufRead> TaxelRows<R> {
         self.columns.header.names()
     }
 
-    /// Index of the column x of a taxel.
+    /// Index of column x of a taxel.
     pub(super) fn column_of(&self, taxel: usize) -> Option<usize> {
         let is_first = |role: &Role| *role == Role::Value { taxel, axis: 0 };
         self.columns.roles.iter().position(is_first)

@@ -37,7 +37,7 @@ pub struct TaxelSensor<R> {
     row: TaxelRow,
     chain: TaxelChain,
     unit: TaxelUnit,
-    /// `true` if the taxels without a zero in this sequence have been counted.
+    /// `true` if taxels without a zero in this sequence have been reported.
     zero_told: bool,
 }
 
@@ -45,8 +45,8 @@ impl<R: BufRead> TaxelSensor<R> {
     /// Reads the header of `stream`, a table with the columns of `layout`. A `rate` (Hz) overrides a time column.
     ///
     /// # Errors
-    /// If a value of the layout is out of range, if the header does not match the layout, if there is no source of
-    /// time, or if reading the stream fails.
+    /// If a value of the layout is out of range, if the header does not match the layout, if there is neither a time
+    /// column nor a rate, or if reading the stream fails.
     pub fn open(stream: R, layout: &TaxelLayout, rate: Option<f64>) -> Result<Self, TaxelError> {
         let chain = TaxelChain::new(layout)?;
         Ok(Self {
@@ -58,7 +58,7 @@ impl<R: BufRead> TaxelSensor<R> {
         })
     }
 
-    /// Unit of the forces. Forces in counts can be compared with each other and with thresholds in counts.
+    /// Unit of the forces. Forces in counts can be compared only with each other and with thresholds in counts.
     pub fn unit(&self) -> TaxelUnit {
         self.unit
     }
@@ -88,7 +88,7 @@ impl<R: BufRead> TaxelSensor<R> {
         self.rows.columns()
     }
 
-    /// Counts the taxels without a zero, once all unloaded rows are read.
+    /// Reports taxels without a zero, once per sequence after all unloaded rows.
     fn tell_zero(&mut self) {
         if self.zero_told || !self.chain.has_zeros() {
             return;
@@ -108,7 +108,7 @@ impl<R: BufRead> TactileSensor for TaxelSensor<R> {
         self.chain.element_count()
     }
 
-    /// Waits for the next row. Neither allocates nor panics.
+    /// Reads the next row; blocks until it is available. Neither allocates nor panics.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
         let (expected, actual) = (self.element_count(), reading.forces.len());
         if expected != actual {

@@ -1,15 +1,15 @@
-//! Checks that the times of rows increase regularly.
+//! Checks that rows follow each other in regular intervals.
 
 use super::Trouble;
 
-/// Minimum number of intervals before jumps are detected.
+/// Minimum number of intervals for detecting jumps.
 const KNOWN: u32 = 5;
-/// Factor on the usual interval above which an interval is a jump.
+/// Ratio of an interval to the typical interval above which it is a jump.
 const JUMP: f64 = 5.0;
-/// Weight of a new interval in the usual interval.
+/// Weight of a new interval in the average that gives the typical interval.
 const RATE: f64 = 0.1;
 
-/// The times of rows, s.
+/// Time of the latest row and typical interval between rows, s.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Times {
     newest: Option<f64>,
@@ -23,12 +23,12 @@ impl Times {
         self.newest.unwrap_or(0.0)
     }
 
-    /// Starts a sequence, whose first time is arbitrary.
+    /// Starts a new sequence, whose first time is arbitrary.
     pub fn restart(&mut self) {
         self.newest = None;
     }
 
-    /// Adds the time of the next row. Returns its problem, if any.
+    /// Adds the time of the next row (s). Returns the problem with it, if any.
     pub fn take(&mut self, time: f64) -> Option<Trouble> {
         let interval = time - self.newest.replace(time)?;
         if interval < 0.0 {

@@ -1,8 +1,8 @@
-//! Counts problems in a table, with the first position of each kind.
+//! Counts the problems in a table, and stores the first position of each kind.
 
 use std::fmt;
 
-/// A kind of problem.
+/// Kind of problem in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
     /// A line without any number; skipped.
@@ -17,9 +17,9 @@ pub enum Trouble {
     Empty,
     /// A cell is not a number.
     NotANumber,
-    /// A cell has a decimal mark other than earlier cells, or a comma that may be a thousands separator.
+    /// A decimal mark differs from that of earlier cells, or a comma could be a thousands separator.
     DecimalMark,
-    /// A cell is not finite or implausibly large.
+    /// A number is infinite, NaN or implausibly large.
     NotFinite,
     /// The readings of a row equal those of the previous row.
     Repeated,
@@ -36,7 +36,7 @@ pub enum Trouble {
 }
 
 impl Trouble {
-    /// All kinds.
+    /// All kinds of problems.
     pub const ALL: [Self; 14] = [
         Self::NotARow,
         Self::TooLong,
@@ -54,12 +54,12 @@ impl Trouble {
         Self::NoZero,
     ];
 
-    /// Returns `true` if the line is skipped.
+    /// Returns `true` if the line with the problem is skipped.
     pub fn is_skipped(self) -> bool {
         matches!(self, Self::NotARow | Self::TooLong | Self::HeaderAgain)
     }
 
-    /// Singular, plural and consequence.
+    /// Description for messages: singular, plural and consequence.
     fn words(self) -> [&'static str; 3] {
         let no_force = "no force there";
         match self {
@@ -150,7 +150,7 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Formats as text; `column` is the name of the column of [`first`](Self::first).
+    /// Formats the problem as text; `column` is the name of the column of [`first`](Self::first).
     pub fn in_words(&self, column: Option<&str>) -> String {
         let column = column.map_or(String::new(), |name| format!(", column {name:?}"));
         format!("{self}{column}")
@@ -169,14 +169,14 @@ impl fmt::Display for Seen {
     }
 }
 
-/// All problems so far. Counting does not allocate.
+/// All problems found so far. Counting does not allocate.
 #[derive(Debug, Clone, Default)]
 pub struct Troubles {
     seen: [Option<Seen>; Trouble::ALL.len()],
 }
 
 impl Troubles {
-    /// Counts a problem at the position `first`.
+    /// Counts a problem, and stores its position `first` if it is the first of its kind.
     pub fn count(&mut self, trouble: Trouble, first: Place) {
         let seen = self.seen[trouble as usize].get_or_insert(Seen {
             trouble,

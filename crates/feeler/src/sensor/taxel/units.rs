@@ -3,10 +3,10 @@
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Unit of readings.
+/// Unit of a taxel's readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TaxelUnit {
-    /// Raw counts of unknown size.
+    /// Raw counts of unknown scale.
     #[serde(rename = "counts")]
     Counts,
     /// Newtons.
@@ -15,7 +15,7 @@ pub enum TaxelUnit {
 }
 
 impl TaxelUnit {
-    /// Name as in files: `counts` or `N`.
+    /// Name in files: `counts` or `N`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Counts => "counts",
@@ -39,7 +39,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// Name as in files: `s`, `ms`, `us` or `ns`.
+    /// Name in files: `s`, `ms`, `us` or `ns`.
     pub fn name(self) -> &'static str {
         match self {
             Self::S => "s",
@@ -49,7 +49,7 @@ impl TimeUnit {
         }
     }
 
-    /// Size in seconds.
+    /// Duration of the unit, s.
     pub fn seconds(self) -> f64 {
         match self {
             Self::S => 1.0,
@@ -60,15 +60,15 @@ impl TimeUnit {
     }
 }
 
-/// Assignment of columns to a taxel's axes: x and y tangential, z compression, positive when pressed.
+/// Assignment of a taxel's axes to its columns: x and y tangential, z compression, positive when pressed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Axes {
-    /// Signed column of the taxel's x axis.
+    /// Column and sign of the taxel's x axis.
     pub x: SignedAxis,
-    /// Signed column of the taxel's y axis.
+    /// Column and sign of the taxel's y axis.
     pub y: SignedAxis,
-    /// Signed column of the taxel's z axis.
+    /// Column and sign of the taxel's z axis.
     pub z: SignedAxis,
 }
 
@@ -83,13 +83,13 @@ impl Default for Axes {
 }
 
 impl Axes {
-    /// Converts a vector of the columns x, y, z to the taxel's axes.
+    /// Converts a vector from the columns x, y, z to the taxel's axes.
     pub fn apply(&self, columns: DVec3) -> DVec3 {
         let along = |axis: SignedAxis| axis.sign() * columns[axis.column()];
         DVec3::new(along(self.x), along(self.y), along(self.z))
     }
 
-    /// Converts a vector of the taxel's axes to the columns x, y, z: the inverse of [`apply`](Self::apply).
+    /// Converts a vector from the taxel's axes to the columns x, y, z: the inverse of [`apply`](Self::apply).
     pub fn undo(&self, own: DVec3) -> DVec3 {
         let mut columns = DVec3::ZERO;
         for (axis, value) in [self.x, self.y, self.z].into_iter().zip(own.to_array()) {
@@ -98,24 +98,24 @@ impl Axes {
         columns
     }
 
-    /// Converts a vector in the frame of an element to the columns x, y, z of its taxel, whose rotation has this cosine and
-    /// sine.
+    /// Converts a vector from the frame of an element to the columns x, y, z of its taxel. `turn` contains cosine and
+    /// sine of the taxel's rotation.
     pub(super) fn in_columns(&self, turn: DVec2, vector: DVec3) -> DVec3 {
         let back = DVec2::new(turn.x, -turn.y);
         self.undo(back.rotate(vector.truncate()).extend(vector.z))
     }
 }
 
-/// A column with a sign.
+/// One of the columns x, y, z, possibly negated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SignedAxis {
-    /// Column x of the table.
+    /// Column x.
     #[serde(rename = "x", alias = "+x")]
     X,
-    /// Column y of the table.
+    /// Column y.
     #[serde(rename = "y", alias = "+y")]
     Y,
-    /// Column z of the table.
+    /// Column z.
     #[serde(rename = "z", alias = "+z")]
     Z,
     /// Column x, negated.

@@ -1,10 +1,10 @@
-//! Zeros of the taxels' columns.
+//! Zero offsets of the taxels' columns.
 
 use super::rezero::StillTime;
 use super::{TaxelDrift, TaxelLayout};
 use glam::DVec3;
 
-/// Zeros of all taxels. Updates do not allocate.
+/// Zero offsets of all taxels. Updates do not allocate.
 #[derive(Debug, Clone)]
 pub struct Zeros {
     /// Number of unloaded rows at the start of a sequence.
@@ -12,20 +12,20 @@ pub struct Zeros {
     /// Number of unloaded rows read in this sequence.
     taken: u32,
     drift: Option<TaxelDrift>,
-    /// Time without contact and motion, if the zero is measured again after it.
+    /// Detector of a time without contact and motion; `None` if the zero is measured only once.
     still: Option<StillTime>,
     zeros: Vec<Zero>,
-    /// Stamp of the latest row, s.
+    /// Time of the latest row, s.
     newest: Option<f64>,
-    /// Time of the last touch, s.
+    /// Time of the latest contact, s.
     touched: Option<f64>,
 }
 
 #[derive(Debug, Clone)]
 struct Zero {
-    /// Zero given in the layout.
+    /// Zero specified in the layout.
     given: DVec3,
-    /// Number of valid unloaded rows.
+    /// Number of valid unloaded rows so far.
     rows: u32,
     /// Mean of the valid unloaded rows, or `given`.
     taken: DVec3,
@@ -60,7 +60,7 @@ impl Zeros {
         }
     }
 
-    /// Starts a sequence without load.
+    /// Starts a new sequence, which begins without load.
     pub fn restart(&mut self) {
         (self.taken, self.newest, self.touched) = (0, None, None);
         if let Some(still) = &mut self.still {
@@ -88,7 +88,7 @@ impl Zeros {
         }
     }
 
-    /// Zero of a taxel, or NaN if no unloaded row had a valid value.
+    /// Zero of a taxel; NaN if no unloaded row had a valid value.
     pub fn of(&self, taxel: usize) -> DVec3 {
         let zero = &self.zeros[taxel];
         if self.rows > 0 && zero.rows == 0 {
@@ -97,14 +97,14 @@ impl Zeros {
         zero.taken + zero.drift
     }
 
-    /// Returns `true` after the unloaded rows of this sequence.
+    /// Returns `true` once all unloaded rows of this sequence have been processed.
     pub fn are_taken(&self) -> bool {
         self.taken >= self.rows
     }
 
-    /// Corrects drift and, if required, measures the zero again, with the `values` of a row at `stamp` (s), in columns with
-    /// `scales` counts per newton. `longest` is the largest magnitude of the taxels' readings, N (or counts), or `None` if
-    /// no reading is valid.
+    /// Updates the zeros with a row of `values` at time `stamp` (s): corrects drift and, if configured, measures the
+    /// zero again. `scales` are the counts per newton of the columns. `longest` is the largest magnitude of the taxels'
+    /// readings, N (or counts), or `None` if no reading is valid.
     pub fn follow(&mut self, stamp: f64, values: &[DVec3], scales: &[DVec3], longest: Option<f64>) {
         if !self.are_taken() {
             return;
@@ -133,7 +133,7 @@ impl Zeros {
         }
     }
 
-    /// Replaces the zero by the mean since the skin is untouched and still, if this is long enough.
+    /// Replaces the zero with the mean of a sufficiently long time without contact and motion.
     fn rezero(&mut self, stamp: f64, values: &[DVec3], scales: &[DVec3], longest: f64) {
         let Some(still) = &mut self.still else { return };
         if !still.add(stamp, values, scales, longest) {

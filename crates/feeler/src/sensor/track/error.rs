@@ -5,7 +5,7 @@ use crate::sensor::locate::LocateError;
 /// Error of tracking markers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrackError {
-    /// There are too few markers to estimate a field.
+    /// There are too few markers to estimate a displacement field.
     #[error("expected at least {expected} markers, got {actual}")]
     MarkerCount {
         /// Minimum number of markers.

@@ -1,27 +1,27 @@
-//! Smooth displacement field, to predict a marker's displacement from its neighbours.
+//! Smooth displacement field of the markers. Predicts a marker's displacement from those of its neighbours.
 
 use crate::sensor::calibration::least_squares::outer;
 use crate::sensor::locate::nearest;
 use glam::{DMat3, DVec2, DVec3};
 
-/// Minimum number of markers for a field.
+/// Minimum number of markers of a field.
 pub(super) const FEWEST: usize = 6;
 /// Number of neighbours used to predict a marker's displacement.
 const NEIGHBOURS: usize = 10;
-/// Minimum number of known neighbours for a prediction.
+/// Minimum number of neighbours with known displacements for a prediction.
 const KNOWN: usize = 3;
 
-/// Neighbourhoods of markers. Predicts the displacement of a marker with an affine fit through its neighbours, by least
-/// squares with weights that decrease with distance.
+/// Predicts the displacement of a marker with an affine least-squares fit to the displacements of its neighbours.
+/// Weights decrease with distance.
 #[derive(Debug, Clone)]
 pub(super) struct Field {
     /// Indices of each marker's neighbours, nearest first.
     neighbours: Vec<Vec<usize>>,
     /// Offsets of the neighbours from the marker, divided by the local spacing, with their weights.
     offsets: Vec<Vec<(DVec2, f64)>>,
-    /// Weight of each neighbour's displacement in the prediction if all neighbours are known.
+    /// Weight of each neighbour's displacement in the prediction, if those of all neighbours are known.
     shares: Vec<Vec<f64>>,
-    /// Distance to the nearest neighbour, px.
+    /// Distance of each marker to its nearest neighbour, px.
     spacing: Vec<f64>,
     /// Indices of markers that have neighbours on one side only.
     edge: Vec<usize>,
@@ -69,17 +69,17 @@ impl Field {
         &self.neighbours[own]
     }
 
-    /// Indices of the markers at the pattern's edge.
+    /// Indices of the markers at the edge of the pattern.
     pub fn edge(&self) -> &[usize] {
         &self.edge
     }
 
-    /// Distance to the nearest neighbour in the reference, px.
+    /// Distance of a marker to its nearest neighbour in the reference, px.
     pub fn spacing(&self, own: usize) -> f64 {
         self.spacing[own]
     }
 
-    /// Displacement of a marker predicted from its known neighbours, px, or `None` if too few are known.
+    /// Displacement of a marker (px) predicted from its known neighbours; `None` if too few are known.
     pub fn foretold(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> Option<DVec2> {
         let near = &self.neighbours[own];
         let count = near.iter().filter(|&&i| known[i]).count();
@@ -104,13 +104,14 @@ impl Field {
         foretold.is_finite().then_some(foretold)
     }
 
-    /// Distance of a marker's displacement from its prediction, over the spacing; 0 if it cannot be predicted.
+    /// Deviation of a marker's displacement from its prediction, in units of the marker spacing; 0 if it cannot be
+    /// predicted.
     pub fn off(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> f64 {
         let foretold = self.foretold(own, displacements, known);
         foretold.map_or(0.0, |u| u.distance(displacements[own]) / self.spacing[own])
     }
 
-    /// Fills in predicted displacements for markers that are not `known`, from known markers outward.
+    /// Replaces the displacements of markers that are not `known` with predictions, from known markers outward.
     pub fn fill(&self, displacements: &mut [DVec2], known: &[bool]) {
         let mut known = known.to_vec();
         loop {
@@ -128,7 +129,7 @@ impl Field {
         }
     }
 
-    /// Replaces each value by the mean over itself and its known neighbours, with `work` as a buffer.
+    /// Replaces each value with the mean over itself and its known neighbours. `work` is a buffer.
     pub fn smooth(&self, values: &mut [DVec2], work: &mut [DVec2], known: &[bool]) {
         work.copy_from_slice(values);
         for (own, value) in values.iter_mut().enumerate() {
@@ -147,12 +148,12 @@ impl Field {
     }
 }
 
-/// Regularization that keeps slopes finite for collinear neighbours.
+/// Regularization matrix that keeps the slopes finite for collinear neighbours.
 fn ridge() -> DMat3 {
     DMat3::from_diagonal(DVec3::new(0.0, 0.02, 0.02))
 }
 
-/// Weight of each neighbour's value in the prediction.
+/// Weight of each neighbour's value in the prediction of a marker.
 fn shares(offsets: &[(DVec2, f64)]) -> Vec<f64> {
     let row = |offset: DVec2| DVec3::new(1.0, offset.x, offset.y);
     let normal = offsets.iter().fold(ridge(), |sum, &(offset, weight)| {

@@ -4,33 +4,34 @@ use super::{field::Field, matching::Matching, mending::mend};
 use crate::math::direction_at;
 use glam::DVec2;
 
-/// Maximum distance of a spot from a marker's predicted position, over the spacing.
+/// Maximum distance of a spot from a marker's predicted position, in units of the marker spacing.
 const NEAR: f64 = 0.45;
-/// Maximum distance of a spot from a seed marker's assumed position, over the spacing.
+/// Maximum distance of a spot from a seed marker's assumed position, in units of the marker spacing.
 const SEED: f64 = 0.35;
-/// Maximum deviation of a seed's displacement from the affine prediction or from most neighbours, over the spacing.
+/// Maximum deviation of a seed's displacement from the affine prediction or from those of most neighbours, in units of
+/// the marker spacing.
 const ALIKE: f64 = 0.15;
-/// Minimum number of six neighbours that must move like a seed.
+/// Minimum number of neighbours, out of six, that must move like a seed. Also the minimum size of a group of seeds.
 const AGREE: usize = 4;
-/// Fraction of the markers, or of the spots if there are fewer, whose match ends the search.
+/// Fraction of the markers (or of the spots, if there are fewer) that must be matched to end the search.
 const ENOUGH: f64 = 0.985;
-/// Number of markers to match before predictions are updated.
+/// Number of markers matched between updates of the predictions.
 const AT_ONCE: usize = 10;
 
-/// Result of matching.
+/// Result of matching markers with spots.
 pub(super) struct Matched {
-    /// Index of each marker's spot, or `None` if it has none.
+    /// Index of each marker's spot; `None` if the marker is not matched.
     pub spots: Vec<Option<usize>>,
-    /// Fraction of markers matched, minus three times the fraction that deviate from the field.
+    /// Fraction of markers matched, minus three times the fraction that deviate from the displacement field.
     pub quality: f64,
 }
 
 /// Matches the markers of the `reference` with the spots at `places`.
 ///
-/// Matches grow from seeds to neighbouring markers, best supported first. Seeds are groups of markers that moved alike,
-/// each matched with its nearest spot. The first seeds are markers that hardly moved; if their matching does not reach
-/// nearly all markers, seeds that moved by up to one and a half spacings in any direction are tried. Returns the
-/// matching that reaches most markers with the smoothest field.
+/// Matching starts at seeds and extends to neighbouring markers, those with most matched neighbours first. Seeds are
+/// groups of markers with similar displacements, each matched with its nearest spot. The first seeds are markers that
+/// hardly moved; if nearly all markers cannot be matched from there, seeds that moved by up to one and a half spacings
+/// in any direction are tried. Returns the matching with most markers and the smoothest displacement field.
 pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matched {
     let mut best = grown_best(reference, field, places);
     mend(&mut best, reference, field, places);
@@ -40,7 +41,7 @@ pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> M
     }
 }
 
-/// Returns the matching that reaches most markers with the smoothest field.
+/// Returns the matching with most markers and the smoothest displacement field.
 fn grown_best(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matching {
     let enough = ENOUGH * reference.len().min(places.len()) as f64;
     let mut best = Matching::none(reference.len());
@@ -78,7 +79,7 @@ fn typical_spacing(field: &Field, count: usize) -> f64 {
     crate::sensor::locate::median(&mut spacing)
 }
 
-/// Assumed displacements, px: zero, then a half, one and one and a half spacings in twelve directions.
+/// Displacements to try for seeds, px: zero, then half, one and one and a half spacings in twelve directions.
 fn shifts(spacing: f64) -> impl Iterator<Item = DVec2> {
     let turned = move |step: f64| {
         (0..12).map(move |twelfth| {
@@ -101,7 +102,8 @@ fn nearest_spot(places: &[DVec2], place: DVec2) -> Option<(usize, f64)> {
     nearest.map(|(index, squared)| (index, squared.sqrt()))
 }
 
-/// Connected groups of markers that moved alike, by about `shift`, each with its nearest spot; largest groups first.
+/// Connected groups of markers with similar displacements of about `shift`, each with its nearest spot; largest groups
+/// first.
 fn seeds(
     reference: &[DVec2],
     field: &Field,
@@ -156,7 +158,7 @@ fn grow(
     places: &[DVec2],
     seeds: &[(usize, usize)],
 ) -> Matching {
-    /// Maximum number of rounds that discard misfits and match again.
+    /// Maximum number of rounds of discarding wrong matches and matching again.
     const ROUNDS: usize = 6;
     let mut matching = Matching::none(reference.len());
     let mut taken = vec![false; places.len()];
@@ -186,8 +188,8 @@ fn grow(
     matching
 }
 
-/// Matches those `groups` of markers that growing did not reach, such as a second view in a mirror. Skips a group if a
-/// matched neighbour moved differently.
+/// Adds matches of those `groups` of markers that are not connected to the matched ones, such as a second view in a
+/// mirror. Skips a group if a matched neighbour moved differently.
 fn add_islands(
     matching: &mut Matching,
     reference: &[DVec2],
@@ -221,7 +223,8 @@ fn add_islands(
     }
 }
 
-/// Matches up to [`AT_ONCE`] markers, those with most known neighbours first. Returns `true` if any was matched.
+/// Matches up to [`AT_ONCE`] markers, those with most known neighbours first. Returns `true` if at least one was
+/// matched.
 fn spread(
     matching: &mut Matching,
     taken: &mut [bool],

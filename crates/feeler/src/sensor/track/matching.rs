@@ -1,9 +1,9 @@
-//! A matching of markers with spots.
+//! Assignment of spots to markers.
 
 use super::field::Field;
 use glam::DVec2;
 
-/// Deviation of a match from the displacement field, relative to the spacing, above which it lowers the score.
+/// Deviation of a match from the displacement field, in units of the marker spacing, above which it lowers the score.
 const SMOOTH: f64 = 0.3;
 
 /// Spot and displacement of each marker.
@@ -29,7 +29,7 @@ impl Matching {
         self.known[own] = true;
     }
 
-    /// Number of markers matched, minus three times the number that deviate from the field.
+    /// Number of markers matched, minus three times the number that deviate from the displacement field.
     pub fn score(&self, field: &Field) -> f64 {
         let known = (0..self.known.len()).filter(|&own| self.known[own]);
         let worth = known.map(|own| {
@@ -39,7 +39,7 @@ impl Matching {
         worth.sum()
     }
 
-    /// Number of known nearest neighbours of a marker without a spot, and its predicted displacement.
+    /// Number of matched nearest neighbours of an unmatched marker, and its predicted displacement.
     pub fn supported(&self, field: &Field, own: usize) -> Option<(usize, DVec2)> {
         let near = field.neighbours(own).iter().take(8);
         let support = near.filter(|&&other| self.known[other]).count();

@@ -1,19 +1,19 @@
-//! Measures markers at their predicted positions, and detects confusion with neighbours.
+//! Measures markers at their predicted positions, and detects those that were mistaken for neighbours.
 
 use super::{MAX_OFF, MarkerTracker, window, window::Look};
 use crate::sensor::locate::median;
 use glam::DVec2;
 
-/// Like [`MAX_OFF`], but for a marker that was lost.
+/// Like [`MAX_OFF`], but for a marker that is searched for again.
 const MAX_OFF_AGAIN: f64 = 0.3;
-/// Distance between two markers, over their distance in the reference, below which both measured the same spot.
+/// Distance between two markers, relative to their distance in the reference, below which both are at the same spot.
 const SAME: f64 = 0.4;
-/// Contrast relative to a marker's usual contrast below which it counts as not visible.
+/// Contrast relative to a marker's typical contrast below which the marker is not visible.
 const MIN_CONTRAST: f64 = 0.3;
 
 impl MarkerTracker {
     /// Measures every marker at the displacement predicted in `work`. Updates `work` and `found`. Returns the number of
-    /// previously found markers that at first measured another marker.
+    /// markers found in the previous image at whose predicted position another marker was measured.
     pub(super) fn measure(&mut self, pixels: &[u8]) -> usize {
         let mut mistaken = 0;
         for own in 0..self.reference.len() {
@@ -48,7 +48,7 @@ impl MarkerTracker {
         mistaken
     }
 
-    /// Searches for a marker at the position predicted from its neighbours' current positions.
+    /// Searches for a marker at the position predicted from the measured positions of its neighbours.
     fn look_again(&mut self, pixels: &[u8], own: usize) {
         let Some(foretold) = self.field.foretold(own, &self.work, &self.found) else {
             self.work[own] = self.markers[own].displacement;
@@ -90,7 +90,8 @@ impl MarkerTracker {
         contrast >= (MIN_CONTRAST * usual).max(window::MIN_CONTRAST)
     }
 
-    /// Accepts `look` as marker `own` if its contrast is sufficient: stores it in `work` and `seen`, returns `true`.
+    /// Accepts the measurement `look` for marker `own` if its contrast is sufficient: stores it in `work` and `seen`,
+    /// and returns `true`.
     fn take(&mut self, own: usize, look: Look) -> bool {
         match look {
             Look::Seen(seen) if self.shows(own, seen.contrast) => {
@@ -102,7 +103,8 @@ impl MarkerTracker {
         }
     }
 
-    /// If two markers measured the same spot, the one that agrees less with its neighbours counts as not found.
+    /// Resolves conflicts between markers measured at the same spot: the one that agrees less with its neighbours
+    /// counts as not found.
     fn one_marker_to_a_spot(&mut self) {
         for own in 0..self.reference.len() {
             for place in 0..self.field.neighbours(own).len() {

@@ -1,26 +1,27 @@
 //! Corrects swapped matches at the edge of a pattern.
 //!
 //! At the edge, a marker that moved by half a spacing may be matched with its neighbour's spot, that neighbour with the
-//! spot of the next, and so on, which leaves one spot unmatched. Each such chain is followed from its unmatched spot,
-//! and reversed if that makes the field smoother.
+//! spot of the next, and so on, which leaves one spot unmatched. Each such chain of matches is followed from the
+//! unmatched spot, and reversed if that makes the displacement field smoother.
 
 use super::{field::Field, matching::Matching};
 use glam::DVec2;
 
-/// Maximum distance of an unmatched spot from a marker's predicted position, over the spacing.
+/// Maximum distance of an unmatched spot from a marker's predicted position, in units of the marker spacing.
 const NEAR: f64 = 0.75;
-/// Deviation of a marker's displacement from the field above which its match is in doubt, over the spacing.
+/// Deviation of a marker's displacement from the field, in units of the marker spacing, above which its match is
+/// doubtful.
 const DOUBTFUL: f64 = 0.15;
-/// Squared deviation assigned to a marker without a spot: that of half a spacing.
+/// Squared deviation assigned to a marker without a spot: that of half a marker spacing.
 const WITHOUT: f64 = 0.25;
 /// Maximum number of markers in a chain.
 const LONGEST: usize = 6;
 /// Maximum number of chains to reverse per image.
 const CHAINS: usize = 12;
-/// Number of unmatched spots above which no chains are followed, because the image shows something else.
+/// Maximum number of unmatched spots for chains to be followed; an image with more shows something else.
 const MAX_LEFT: usize = 12;
 
-/// Reassigns spots, starting with unmatched ones, as long as the field becomes smoother.
+/// Reassigns spots, starting with unmatched ones, while the displacement field becomes smoother.
 pub(super) fn mend(matching: &mut Matching, reference: &[DVec2], field: &Field, places: &[DVec2]) {
     let scene = Scene {
         reference,
@@ -63,7 +64,7 @@ impl Scene<'_> {
         (0..left.len()).filter(|&spot| left[spot]).collect()
     }
 
-    /// Sum of squared deviations of all markers from the field.
+    /// Sum of squared deviations of all markers from the displacement field.
     fn roughness(&self, matching: &Matching) -> f64 {
         let off = |own: usize| match matching.known[own] {
             true => self.off(matching, own).powi(2),
@@ -77,7 +78,8 @@ impl Scene<'_> {
             .off(own, &matching.displacements, &matching.known)
     }
 
-    /// Candidates for `spot`, nearest first: markers not in `passed`, in doubt or without a spot, and predicted nearby.
+    /// Candidate markers for `spot`, nearest first: not in `passed`, with a doubtful match or without a spot, and
+    /// predicted nearby.
     fn suited(&self, matching: &Matching, spot: usize, passed: &[usize]) -> Vec<usize> {
         let far = |own: usize| {
             let foretold = self
@@ -96,8 +98,8 @@ impl Scene<'_> {
         near.into_iter().map(|(own, _)| own).collect()
     }
 
-    /// Assigns `spot` to the marker `first`, that marker's old spot to the best candidate, and so on. Returns the
-    /// smoothest of the resulting matchings with its roughness.
+    /// Reverses a chain: assigns `spot` to the marker `first`, that marker's previous spot to the best candidate, and
+    /// so on. Returns the smoothest of the resulting matchings with its roughness.
     fn turned_back(&self, matching: &Matching, spot: usize, first: usize) -> (f64, Matching) {
         let mut mended = matching.clone();
         let (mut spot, mut own) = (spot, first);

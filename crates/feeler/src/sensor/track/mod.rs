@@ -1,13 +1,14 @@
-//! Tracks markers by identity under large displacements.
+//! Tracks markers individually under large displacements.
 //!
-//! A marker is searched for at the position predicted from its own motion and its neighbours', and measured from the
-//! pixels there (`window`). It counts as found if there is contrast and if its displacement agrees with the smooth
-//! field of its neighbours' displacements (`field`). A swap of two markers deviates by a spacing and is detected. A
-//! marker that is not found is assigned the position predicted by the field, and searched for there from then on. If
-//! many markers are lost at once, the pattern may have jumped by a spacing, and all markers become doubtful.
+//! A marker is searched for at the position predicted from its own motion and that of its neighbours, and measured from
+//! the pixels there (`window`). It counts as found if there is contrast and if its displacement agrees with the smooth
+//! displacement field of its neighbours (`field`). If two markers are swapped, they deviate by a marker spacing, which
+//! is detected. A marker that is not found is assigned the position predicted by the field, and is searched for there
+//! in the next images. If many markers are lost at once, the pattern may have jumped by a spacing, and all markers
+//! become doubtful.
 //!
-//! A single image without a predecessor is matched with the reference alone: matches grow from regions that hardly
-//! moved to regions that moved far (`growing`).
+//! A single image without a predecessor is matched with the reference alone: matching starts in regions that hardly
+//! moved and extends to regions that moved far (`growing`).
 
 mod error;
 mod field;
@@ -30,28 +31,29 @@ use crate::sensor::image::frame::Picture;
 use crate::sensor::image::polarity::Polarity;
 use glam::DVec2;
 
-/// Deviation from the field, over the spacing, above which a measurement is not the marker searched for.
+/// Deviation from the displacement field, in units of the marker spacing, above which a measurement is of another
+/// marker.
 const MAX_OFF: f64 = 0.45;
-/// Fraction of the markers at the pattern's edge which, if lost within one frame, makes all others doubtful: the
-/// pattern may have jumped by a spacing, which leaves one side of its edge empty.
+/// Fraction of the markers at the pattern's edge that, if lost within one frame, makes all other markers doubtful: the
+/// pattern may have jumped by a spacing, which leaves one side of its edge without spots.
 const JUMPED: f64 = 0.2;
-/// Fraction of markers which, if mistaken for others within one frame, makes all others doubtful.
+/// Fraction of markers that, if mistaken for others within one frame, makes all markers doubtful.
 const MISTAKEN: f64 = 0.02;
-/// Factor on the confidence in a doubtful marker.
+/// Factor that reduces the confidence in a doubtful marker.
 const DOUBT: f64 = 0.3;
 /// Minimum quality at which the result of the fast matching is accepted; below it, the full search runs.
 const QUICKLY_MATCHED: f64 = 0.95;
 /// Quality of a matching below which all markers are doubtful.
 const MIN_MATCHED: f64 = 0.85;
-/// Weight of a new, lower contrast in a marker's usual contrast, per image.
+/// Weight per image of a new, lower contrast in a marker's typical contrast.
 const FADES: f64 = 0.02;
-/// Minimum fraction of markers found; with fewer, the image may not show the sensor.
+/// Minimum fraction of markers found; if there are fewer, the image may not be of the sensor.
 const MIN_FOUND: f64 = 0.3;
 
 /// State of one tracked marker.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrackedMarker {
-    /// Column and row, px.
+    /// Column and row of the marker, px.
     pub place: DVec2,
     /// Displacement from the reference, px.
     pub displacement: DVec2,
@@ -68,27 +70,27 @@ pub struct MarkerTracker {
     polarity: Polarity,
     /// Diameter of a spot, px, if the layout contains it.
     spot_diameter: Option<f64>,
-    /// Positions in the reference, px.
+    /// Positions of the markers in the reference, px.
     reference: Vec<DVec2>,
     field: Field,
     window: Window,
     markers: Vec<TrackedMarker>,
-    /// Displacement since the previous frame, smoothed over neighbours, px.
+    /// Displacement of each marker since the previous frame, smoothed over neighbours, px.
     velocities: Vec<DVec2>,
     /// Predicted or measured displacements in the latest image, px.
     work: Vec<DVec2>,
     found: Vec<bool>,
-    /// Markers found in the previous image.
+    /// `true` for each marker that was found in the previous image.
     before: Vec<bool>,
     /// `true` if all markers may have been mistaken for their neighbours in some frame.
     doubtful: bool,
-    /// Contrast of each marker when clearly visible, gray levels; 0 until first measured.
+    /// Typical contrast of each marker when clearly visible, gray levels; 0 until first measured.
     contrasts: Vec<f64>,
-    /// Measurement of each marker in the latest image in which it was found.
+    /// Latest measurement of each marker.
     seen: Vec<Seen>,
-    /// Result of the search at each marker's predicted position.
+    /// Result of the measurement at each marker's predicted position.
     looks: Vec<Look>,
-    /// Contrasts in the latest image, in no particular order, and their median, gray levels.
+    /// Buffer for the contrasts in the latest image, in no particular order, and their median, gray levels.
     contrasts_seen: Vec<f64>,
     typical: f64,
 }
@@ -151,9 +153,9 @@ impl MarkerTracker {
         self.found.iter().filter(|&&found| found).count()
     }
 
-    /// Returns `true` if too few markers were found to continue, or if markers may be confused with their neighbours
-    /// because many were lost at once. [`match_picture`](Self::match_picture) can recover them; until then, confidence
-    /// is low.
+    /// Returns `true` if too few markers were found to continue, or if markers may have been confused with their
+    /// neighbours because many were lost at once. [`match_picture`](Self::match_picture) can recover them; until then,
+    /// confidence is low.
     pub fn is_lost(&self) -> bool {
         self.doubtful || (self.found() as f64) < MIN_FOUND * self.markers.len() as f64
     }
@@ -188,8 +190,8 @@ impl MarkerTracker {
         Ok(&self.markers)
     }
 
-    /// Finds the markers in an image from the reference alone, independently of earlier images. Takes about a
-    /// millisecond if nearly all markers are visible as spots of the layout's size, otherwise some tens of
+    /// Finds the markers in an image by comparison with the reference alone, independently of earlier images. Takes
+    /// about a millisecond if nearly all markers are visible as spots of the layout's size, otherwise some tens of
     /// milliseconds.
     ///
     /// # Errors
@@ -215,7 +217,7 @@ impl MarkerTracker {
         Ok(&self.markers)
     }
 
-    /// Matches spots of the layout's size. Returns `None` unless nearly all markers are matched.
+    /// Matches spots of the size in the layout. Returns `None` unless nearly all markers are matched.
     fn matched_quickly<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,
@@ -226,7 +228,7 @@ impl MarkerTracker {
         (matched.quality >= QUICKLY_MATCHED).then_some((places, matched))
     }
 
-    /// Matches spots of any size.
+    /// Matches spots of any size, with the full search.
     fn matched_surely<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,
@@ -243,7 +245,7 @@ impl MarkerTracker {
         Ok((places, matched))
     }
 
-    /// Marks all markers as lost at their last positions, for an image that shows none.
+    /// Marks all markers as lost at their last positions, after an image without markers.
     pub fn lose(&mut self) {
         self.found.fill(false);
         self.velocities.fill(DVec2::ZERO);
@@ -267,7 +269,7 @@ impl MarkerTracker {
         })
     }
 
-    /// Updates the markers from `work` and `found`.
+    /// Updates the state of all markers from `work` and `found`.
     fn settle(&mut self) {
         let doubt = if self.doubtful { DOUBT } else { 1.0 };
         for own in 0..self.reference.len() {

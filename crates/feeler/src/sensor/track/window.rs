@@ -4,7 +4,7 @@ use crate::sensor::image::polarity::Polarity;
 use glam::DVec2;
 use multiversion::multiversion;
 
-/// Contrast below which nothing is visible, gray levels.
+/// Contrast below which the window shows no marker, gray levels.
 pub(super) const MIN_CONTRAST: f64 = 6.0;
 /// Maximum width of a window, px.
 const WIDEST: usize = 128;
@@ -27,9 +27,9 @@ pub(super) struct Window {
 pub(super) enum Look {
     /// A marker.
     Seen(Seen),
-    /// Something with this contrast (gray levels) whose centroid is too far from the window.
+    /// A marker with this contrast (gray levels), but its centroid is too far from the window's centre.
     Elsewhere(f64),
-    /// Nothing: the window is outside the image or uniformly gray.
+    /// No marker: the window is outside the image or uniformly gray.
     Nothing,
 }
 
@@ -40,7 +40,7 @@ pub(super) struct Seen {
     pub place: DVec2,
     /// Contrast between background and marker, gray levels.
     pub contrast: f64,
-    /// Sum over the pixels above the threshold, gray levels px².
+    /// Sum of gray levels over the pixels above the threshold, gray levels px².
     pub sum: f64,
 }
 
@@ -59,7 +59,8 @@ impl Window {
         }
     }
 
-    /// Measures the marker around `about` in an image of `size` px, if most of the window is inside the image.
+    /// Measures the marker around the position `about` in an image of `size` px, if most of the window is inside the
+    /// image.
     pub fn look(
         &self,
         pixels: &[u8],
@@ -100,7 +101,7 @@ impl Window {
         }
     }
 
-    /// Part of the window inside the image, or `None` if too little of it is.
+    /// Part of a window at `centre` that is inside the image; `None` if it is too small.
     fn cut(&self, (width, height): (usize, usize), centre: DVec2) -> Option<Cut> {
         let radius = self.radius as isize;
         let (column, row) = (centre.x as isize - radius, centre.y as isize - radius);
@@ -120,10 +121,10 @@ impl Window {
     }
 }
 
-/// Position of a window in an image.
+/// Part of a window that is inside an image.
 struct Cut {
     width: usize,
-    /// Column and row of the window's corner, which may be outside the image.
+    /// Column and row in the image of the window's corner; may be outside the image.
     column: isize,
     row: isize,
     /// Columns and rows of the window inside the image.
@@ -134,11 +135,11 @@ struct Cut {
 struct Sums {
     contrast: f64,
     total: f64,
-    /// Column and row in the window, px.
+    /// Column and row of the centroid in the window, px.
     centroid: DVec2,
 }
 
-/// Computes moments of the pixels that exceed 0.4 of the contrast in the window, with SIMD instructions if available.
+/// Computes moments of the pixels that exceed 0.4 of the contrast in the window, using SIMD instructions if available.
 #[multiversion(targets("x86_64+avx2"))]
 fn sums(pixels: &[u8], cut: &Cut, rows: &[(usize, usize)], flip: u8) -> Option<Sums> {
     let span = |row: usize| {

@@ -3,14 +3,14 @@
 /// A cross-validation fold.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fold {
-    /// Rows to predict.
+    /// Rows that are predicted.
     pub held: Vec<usize>,
-    /// Rows excluded from training: `held` and their neighbours in time, which are too similar.
+    /// Rows excluded from training: `held` and the rows close to them in time, which are too similar.
     pub hidden: Vec<usize>,
 }
 
 impl Fold {
-    /// Rows to train on.
+    /// Rows used for training, out of `rows` rows.
     pub fn train(&self, rows: usize) -> Vec<usize> {
         let mut hidden = vec![false; rows];
         for &row in &self.hidden {
@@ -20,9 +20,9 @@ impl Fold {
     }
 }
 
-/// Splits each recording into `count` contiguous blocks; fold k holds out the k-th block of each. A guard interval of
-/// a tenth of a block on each side is excluded from training. `recording_of` contains the recording of each row; rows
-/// are in chronological order.
+/// Splits each recording into `count` contiguous blocks; fold k holds out the k-th block of each recording. A guard
+/// interval of a tenth of a block on each side is excluded from training. `recording_of` contains the recording of each
+/// row; rows are in chronological order.
 pub(super) fn blocks(recording_of: &[usize], count: usize) -> Vec<Fold> {
     let mut folds = vec![
         Fold {
@@ -48,7 +48,7 @@ pub(super) fn blocks(recording_of: &[usize], count: usize) -> Vec<Fold> {
     folds
 }
 
-/// Rows of each recording, in order.
+/// Rows of each recording, in chronological order.
 pub(super) fn by_recording(recording_of: &[usize]) -> Vec<Vec<usize>> {
     let count = recording_of.iter().max().map_or(0, |&last| last + 1);
     let mut recordings = vec![Vec::new(); count];
@@ -59,8 +59,8 @@ pub(super) fn by_recording(recording_of: &[usize]) -> Vec<Vec<usize>> {
     recordings
 }
 
-/// Folds that hold out whole recordings; at most `most` folds, each with several recordings if necessary. Empty if
-/// there is only one recording.
+/// Folds that hold out whole recordings; if there are more than `most` recordings, several per fold. Empty if there is
+/// only one recording.
 pub(super) fn recordings(recording_of: &[usize], most: usize) -> Vec<Fold> {
     let recordings = by_recording(recording_of);
     if recordings.len() < 2 {

@@ -12,27 +12,27 @@ use crate::sensor::fingertip::made_for::CalibrationTarget;
 use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
-/// Maximum magnitude of a number in the file: far above any measurement and far below overflow of sums.
+/// Maximum absolute value of a number in the file: far above any measurement and far below overflow of sums.
 pub(super) const LARGEST: f64 = 1e15;
 
-/// Regression of one component.
+/// Regression model of one component.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisModel<T = Terms> {
     /// The component.
     pub axis: WrenchAxis,
-    /// Terms of the regression.
+    /// Terms used by the regression.
     pub terms: T,
-    /// Penalty on the squared weights; features have a variance of 1.
+    /// Ridge penalty on the squared weights; features have a variance of 1.
     pub penalty: f64,
-    /// Value if all terms are 0, N, N m or m.
+    /// Prediction if all terms are 0, N, N m or m.
     pub intercept: f64,
     /// Weight of each term, in the order of [`Basis::terms`], N, N m or m.
     pub weights: Vec<f64>,
 }
 
 impl<T: Copy> AxisModel<T> {
-    /// Returns the component for standardised `features`, N, N m or m. Neither allocates nor panics.
+    /// Predicts the component from standardised `features`, N, N m or m. Neither allocates nor panics.
     pub fn value<B: Basis<Terms = T>>(&self, basis: &B, features: &[f64]) -> f64 {
         let terms = basis.terms(self.terms, features).zip(&self.weights);
         self.intercept + terms.map(|(term, weight)| term * weight).sum::<f64>()
@@ -43,11 +43,11 @@ impl<T: Copy> AxisModel<T> {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub struct WrenchModel<B: Basis> {
-    /// Predicted components, in the order of [`WrenchAxis::ALL`].
+    /// Regression model of each component, in the order of [`WrenchAxis::ALL`].
     pub axes: Vec<AxisModel<B::Terms>>,
-    /// Distribution of the calibration's samples, to detect unusual ones.
+    /// Distribution of the calibration's samples, to detect samples that differ from them.
     pub novelty: Novelty<B::Terms>,
-    /// Reference and statistics of the elements.
+    /// Reference and statistics of the sensor's elements.
     pub elements: B,
 }
 
@@ -58,7 +58,7 @@ pub type WrenchCalibration = CalibrationOf<MomentBasis>;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, bound = "")]
 pub struct CalibrationOf<B: Basis> {
-    /// [`Basis::KIND`].
+    /// Kind of the file, [`Basis::KIND`].
     pub kind: String,
     /// Version of the file format, [`VERSION`].
     pub version: u32,
@@ -71,10 +71,10 @@ pub struct CalibrationOf<B: Basis> {
     pub tracked: bool,
     /// Sensor for which the calibration was made.
     pub made_for: CalibrationTarget,
-    /// Origin and tests of the calibration; `None` for files of feeler 0.2 and older.
+    /// Origin and later tests of the calibration; `None` for files of feeler 0.2 and older.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub passport: Option<Passport>,
-    /// Errors of each component.
+    /// Held-out errors of each component.
     pub quality: Vec<AxisQuality>,
     /// Prediction model.
     pub model: WrenchModel<B>,
@@ -90,7 +90,7 @@ struct Header {
 }
 
 impl<B: Basis> CalibrationOf<B> {
-    /// Returns `true` if `text` is a wrench calibration file of any version.
+    /// Returns `true` if `text` is a wrench calibration file, of any version.
     pub fn is_kind(text: &str) -> bool {
         toml::from_str::<Header>(text).is_ok_and(|header| header.kind == B::KIND)
     }
@@ -138,7 +138,7 @@ impl<B: Basis> CalibrationOf<B> {
         self.model.axes.iter().find(|model| model.axis == axis)
     }
 
-    /// Rejects forces that are too large or too small for a soft fingertip, which indicates another unit.
+    /// Rejects forces that are implausibly large or small for a soft fingertip, which indicates another unit.
     fn check_magnitude(&self) -> Result<(), WrenchError> {
         let forces = self
             .quality
@@ -154,7 +154,7 @@ impl<B: Basis> CalibrationOf<B> {
         }
     }
 
-    /// Rejects invalid numbers.
+    /// Rejects a calibration with invalid numbers.
     pub(super) fn check(&self) -> Result<(), WrenchError> {
         self.made_for.check()?;
         let basis = &self.model.elements;

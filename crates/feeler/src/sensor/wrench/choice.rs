@@ -5,28 +5,28 @@ use super::basis::{Basis, matrix};
 use super::blocks::{Fold, blocks};
 use super::ridge::Spectrum;
 
-/// Numbers of blocks per recording. Two partitions reduce the influence of where the cuts fall.
+/// Numbers of blocks into which recordings are divided. Two divisions reduce the influence of where the boundaries lie.
 const CUTS: [usize; 2] = [5, 8];
-/// Exponents of candidate penalties `10^(n/2)`. Features have a variance of 1.
+/// Values of n for the candidate penalties `10^(n/2)`. Features have a variance of 1.
 const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
-/// Minimum decrease of the mean error, in standard errors, for a more complex set of terms to be preferred. Among many
-/// candidates, one is better by chance.
+/// Minimum decrease of the mean error, in standard errors, for a set of terms with lower preference to be chosen. Among
+/// many candidates, one is better by chance.
 const WORTH: f64 = 1.0;
-/// Like [`WORTH`], but for doubtful terms ([`Basis::is_doubtful`]), and the maximum fraction of the mean square error
-/// that may remain.
+/// Like [`WORTH`], but for less reliable terms ([`Basis::is_doubtful`]), and the maximum ratio of their mean
+/// square error to that of the other terms.
 const WORTH_OF_DOUBTFUL: f64 = 3.0;
 const LEFT_BY_DOUBTFUL: f64 = 0.5;
 
-/// Maximum number of rows of the second comparison.
+/// Maximum number of rows in the second comparison.
 const MAX_ROWS_AGAIN: usize = 600;
 
-/// Terms and penalty of a component's regression.
+/// Terms and ridge penalty chosen for a component.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice<T> {
     pub terms: T,
-    /// Penalty for all rows: that of the compared rows, times the number of rows per compared one.
+    /// Penalty for the regression on all rows: that of the compared rows, times the number of rows per compared row.
     pub penalty: f64,
-    /// Squared error of each row when its block is held out, averaged over the partitions.
+    /// Squared error of each row when its block is held out, averaged over the divisions into blocks.
     squares: Vec<f64>,
 }
 
@@ -35,8 +35,8 @@ impl<T: Copy> Choice<T> {
         self.squares.iter().sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Returns `true` if the errors are significantly smaller than those of `other`. Compares magnitudes, because a
-    /// single image may dominate squares.
+    /// Returns `true` if the errors are significantly smaller than those of `other`. Compares magnitudes, because
+    /// squares may be dominated by a single image.
     fn is_worth_more<B: Basis<Terms = T>>(&self, other: &Self) -> bool {
         match B::is_doubtful(self.terms, other.terms) {
             true => {
@@ -61,17 +61,17 @@ impl<T: Copy> Choice<T> {
     }
 }
 
-/// Rows in which a component was measured, with the measured values.
+/// A component's measured values, and the rows in which it was measured.
 pub(super) struct Target {
     pub axis: WrenchAxis,
     pub rows: Vec<usize>,
     pub measured: Vec<f64>,
 }
 
-/// Best choice for each of `targets`, or `None` if no regression has a finite solution.
+/// Chooses terms and penalty for each of `targets`; `None` if no regression has a finite solution.
 ///
-/// All candidates are compared on at most [`Basis::MAX_ROWS`] rows. If there are more rows, the best candidate is compared
-/// again, on up to 600 rows, with those of few terms.
+/// All candidates are compared on at most [`Basis::MAX_ROWS`] rows. If there are more rows, the best candidate is
+/// compared again, on up to 600 rows, with all candidates of few terms.
 pub(super) fn choose<B: Basis>(
     basis: &B,
     features: &[Vec<f64>],
@@ -106,7 +106,7 @@ pub(super) fn choose<B: Basis>(
     chosen
 }
 
-/// Compares the choice for each target again with all candidates of at most [`Basis::MAX_ROWS`] terms.
+/// Compares the choice for each target again, on more rows, with all candidates of at most [`Basis::MAX_ROWS`] terms.
 fn compare_again<B: Basis>(
     basis: &B,
     features: &[Vec<f64>],
@@ -145,19 +145,19 @@ fn keep_better<B: Basis>(chosen: &mut Option<Choice<B::Terms>>, other: Option<Ch
     }
 }
 
-/// Rows on which terms are compared.
+/// Subset of a target's rows on which candidates are compared.
 struct Compared {
-    /// Indices among the rows of a target.
+    /// Indices of the subset among the rows of the target.
     places: Vec<usize>,
-    /// Indices of these rows in the features.
+    /// Indices of the subset in the features.
     rows: Vec<usize>,
     cuts: [Vec<Fold>; 2],
-    /// Rows of the target per compared row.
+    /// Number of rows of the target per compared row.
     factor: f64,
 }
 
 impl Compared {
-    /// Compares on the rows `places` of `target`.
+    /// Selects the rows at the indices `places` of `target`.
     fn new(places: Vec<usize>, recording_of: &[usize], target: &Target) -> Self {
         let rows: Vec<_> = places.iter().map(|&place| target.rows[place]).collect();
         let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
@@ -173,7 +173,7 @@ impl Compared {
         Spectrum::new(matrix(basis, features, &self.rows, terms))
     }
 
-    /// Best penalty of `terms` for `target`.
+    /// Best penalty for `target` with `terms`.
     fn best<T: Copy>(&self, spectrum: &Spectrum, target: &Target, terms: T) -> Option<Choice<T>> {
         let measured = self.places.iter().map(|&place| target.measured[place]);
         let measured: Vec<_> = measured.collect();
@@ -183,14 +183,15 @@ impl Compared {
     }
 }
 
-/// Choice among the penalties from the best one to the largest one that is not significantly worse.
+/// Rule for choosing a penalty in the range from the best one to the largest one that is not significantly worse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shrinkage {
-    /// The geometric mean of both. Smaller weights than the best ones reduce the effect of drift between recordings, which blocks of
-    /// a single recording do not show. The largest penalty would discard too much information.
+    /// The geometric mean of the range. Weights smaller than those of the best penalty reduce the effect of drift
+    /// between recordings, which held-out blocks of the same recording do not show. The largest penalty would discard
+    /// too much information.
     Moderate,
-    /// The largest (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009,
-    /// section 7.10), for changes of a model that is good without them.
+    /// The largest penalty (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical
+    /// Learning, 2009, section 7.10), for corrections of a model that is good without them.
     Strong,
 }
 

@@ -15,7 +15,7 @@ pub enum WrenchError {
     /// The calibration cannot be written as TOML.
     #[error("failed to write the wrench calibration: {0}")]
     Write(#[from] toml::ser::Error),
-    /// The file has another kind or version.
+    /// The file is of another kind or version.
     #[error(
         "expected kind = \"{expected}\" and version = {VERSION}, got kind = {kind:?} and version = {version}; create the file with `feeler calibrate --wrench`"
     )]
@@ -50,7 +50,7 @@ pub enum WrenchError {
         /// Description of valid values.
         expected: &'static str,
     },
-    /// The forces are too large or too small.
+    /// The forces are implausibly large or small.
     #[error(
         "the largest force of the calibration is {largest} N; expected {} to {} N on a fingertip: were the forces in another unit? \
          if they are correct, calibrate with `feeler calibrate --wrench --confirm-loads`",
@@ -72,17 +72,17 @@ pub enum WrenchError {
         /// Reason why other images are unusable; may be empty.
         why: String,
     },
-    /// No component of the calibration was measured within its range during a press.
+    /// No component was measured within its calibrated range during a press.
     #[error(
         "expected presses with a calibrated component, within its calibrated range and stronger than its band of errors; got none"
     )]
     NotMeasured,
-    /// The calibration does not state a band of errors.
+    /// The calibration does not contain an error band for a component, because it was fitted to too few samples.
     #[error(
         "{axis} of the calibration has no band of errors, because it was fitted to fewer than 20 samples; calibrate again with more"
     )]
     NoBand {
-        /// The component.
+        /// Name of the component.
         axis: &'static str,
     },
     /// There are too few presses to test a calibration.
@@ -95,7 +95,7 @@ pub enum WrenchError {
         /// Number of presses.
         actual: usize,
     },
-    /// All measured values of a component are beyond its calibrated range.
+    /// All measured values of a component are outside its calibrated range.
     #[error(
         "expected presses within the calibrated range of {axis}, {}..{} {unit}, got only others", range[0], range[1]
     )]
@@ -107,25 +107,25 @@ pub enum WrenchError {
         /// Calibrated range.
         range: [f64; 2],
     },
-    /// A calibration was changed after it was written.
+    /// The calibration was modified after it was written.
     #[error(
         "the calibration was changed after it was written: its checksum is {actual}, expected {expected}; calibrate again"
     )]
     Checksum {
-        /// Checksum in the file.
+        /// Checksum stored in the file.
         expected: String,
-        /// Checksum of the contents.
+        /// Checksum computed from the contents.
         actual: String,
     },
     /// All measured components are constant.
     #[error("expected a force or torque that changes, but every measured component is constant")]
     Constant,
-    /// No component is predicted better than by its mean on held-out data.
+    /// No component is predicted better than by its mean, on held-out data.
     #[error(
         "the images do not predict the measured wrench: expected a held-out R² above 0, got {found}"
     )]
     ExplainsNothing {
-        /// Each component with its R².
+        /// All components with their R².
         found: String,
     },
     /// The regression has no finite solution.
@@ -133,13 +133,13 @@ pub enum WrenchError {
         "the regression of {axis} has no finite solution; check the images and forces for values that are not finite"
     )]
     Unsolvable {
-        /// The component.
+        /// Name of the component.
         axis: &'static str,
     },
     /// A required component is not calibrated.
     #[error("expected f_x, f_y and f_z in the wrench calibration, but {missing} is missing")]
     Missing {
-        /// The missing component.
+        /// Name of the missing component.
         missing: &'static str,
     },
 }

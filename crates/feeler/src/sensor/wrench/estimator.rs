@@ -9,17 +9,17 @@ use crate::sensor::forces::sensing::{ElementReading, Reference};
 use crate::sensor::table::Quantity;
 use glam::DVec3;
 
-/// The wrench in one frame.
+/// Wrench estimated for one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrenchEstimate {
     /// Components in the order of [`WrenchAxis::ALL`], N, N m or m, in the frame and with the sign of the measurements
-    /// (see [`wrench`](super)). `None` for components that are not calibrated, for the place of contact
-    /// without a touch, and for all if more than a tenth of the
-    /// elements are dark or saturated.
+    /// (see [`wrench`](super)). `None` for components that are not calibrated, for the place of contact if nothing is
+    /// touched, and for all components if more than a tenth of the elements are dark or saturated.
     pub components: [Option<f64>; AXES],
-    /// `true` if the image resembles those of the calibration. Otherwise the components are extrapolated.
+    /// `true` if the image is similar to those of the calibration. Otherwise the components are extrapolated.
     pub valid: bool,
-    /// Distance of the image from those of the calibration; valid up to 1. Infinite if too few elements are lit.
+    /// Novelty distance between the image and those of the calibration; valid up to 1. Infinite if too few elements are
+    /// lit.
     pub novelty: f64,
 }
 
@@ -62,7 +62,7 @@ impl<B: Basis> EstimatorOf<B> {
         })
     }
 
-    /// The calibration in use.
+    /// Calibration in use.
     pub fn calibration(&self) -> &CalibrationOf<B> {
         &self.calibration
     }
@@ -72,8 +72,8 @@ impl<B: Basis> EstimatorOf<B> {
         self.calibration.made_for.elements
     }
 
-    /// Estimates the wrench from a measurement of all elements, which `fill` writes to its argument. Does not panic,
-    /// and allocates only if `fill` does.
+    /// Estimates the wrench from a measurement of all elements, which `fill` writes to its argument. Does not panic;
+    /// allocates only if `fill` does.
     pub fn estimate_with(&mut self, fill: impl FnOnce(&mut B::Input)) -> WrenchEstimate {
         fill(&mut self.input);
         let model = &self.calibration.model;
@@ -100,7 +100,7 @@ impl<B: Basis> EstimatorOf<B> {
 }
 
 impl EstimatorOf<MomentBasis> {
-    /// Reference centroids: their means over the images of the calibration.
+    /// Reference centroids: the mean centroids over the images of the calibration.
     pub fn reference(&self) -> Reference {
         let elements = self.calibration.model.elements.0.iter();
         Reference {

@@ -19,14 +19,14 @@ pub type WrenchFit = FitOf<MomentBasis>;
 /// Result of fitting a sensor with features `B`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitOf<B: Basis> {
-    /// The calibration.
+    /// The fitted calibration.
     pub calibration: CalibrationOf<B>,
-    /// Measured components that are omitted because the calibration does not predict them, with their held-out R²
-    /// (`None` if there are too few measurements).
+    /// Measured components that are not calibrated because they cannot be predicted, with their held-out R² (`None` if
+    /// there are too few measurements).
     pub left_out: Vec<(WrenchAxis, Option<f64>)>,
     /// Number of images that were not used because too many of their elements are dark or saturated.
     pub unusable: usize,
-    /// Held-out predictions for each component of the calibration, in its order.
+    /// Held-out predictions of each calibrated component, in the calibration's order.
     pub held_out: Vec<Vec<HeldOut>>,
 }
 
@@ -91,7 +91,7 @@ pub fn fit<B: Basis>(
     })
 }
 
-/// Error if no component can be predicted, with the held-out R² of each.
+/// Creates the error for the case that no component can be predicted, with the held-out R² of each.
 pub(super) fn explains_nothing(left_out: &[(WrenchAxis, Option<f64>)]) -> WrenchError {
     let name = |(axis, r2): &(WrenchAxis, Option<f64>)| match r2 {
         Some(r2) => format!("{} {r2:.2}", axis.name()),
@@ -101,7 +101,7 @@ pub(super) fn explains_nothing(left_out: &[(WrenchAxis, Option<f64>)]) -> Wrench
     WrenchError::ExplainsNothing { found }
 }
 
-/// Rejects samples of another sensor or of a recording without a name.
+/// Rejects samples with a different number of elements, and samples of a recording that has no name.
 pub(super) fn check<B: Basis>(
     made_for: &CalibrationTarget,
     recordings: &[String],
@@ -138,14 +138,14 @@ pub(super) fn usable<'a, B: Basis>(
     samples.iter().filter(|s| is_lit(s)).copied().collect()
 }
 
-/// Components that were measured in any sample.
+/// Components that were measured in at least one sample.
 fn measured<B: Basis>(samples: &[&SampleOf<B>]) -> Vec<WrenchAxis> {
     let all = WrenchAxis::ALL.into_iter();
     let any = |axis: &WrenchAxis| samples.iter().any(|s| s.wrench[axis.index()].is_some());
     all.filter(any).collect()
 }
 
-/// Components that were measured often enough and are not constant.
+/// Components that were measured often enough and vary.
 fn changing<B: Basis>(
     samples: &[&SampleOf<B>],
     unusable: usize,

@@ -2,10 +2,9 @@
 //!
 //! A [`table`](crate::sensor::table) with a column `picture` (a file relative to the CSV, or `FILE@TIME` for the frame
 //! of a recording or video at a time in s), or instead with columns `recording` (an .mcap file or a video) and `time`
-//! (s). It has at least one of `f_x, f_y, f_z` (N), `m_x, m_y, m_z` (N m) and `p_x, p_y` (place of contact, m), in any
-//! order; other columns are ignored.
-//! A cell is empty if nothing was measured. A column `recording` next to `picture` groups the images; without it,
-//! images are grouped by name ([`recordings`](super::recordings)).
+//! (s). The table has at least one of the columns `f_x, f_y, f_z` (N), `m_x, m_y, m_z` (N m) and `p_x, p_y` (place of
+//! contact, m), in any order; other columns are ignored. A cell is empty if nothing was measured. A column `recording`
+//! next to `picture` groups the images; without it, images are grouped by name ([`recordings`](super::recordings)).
 
 use super::recordings::{number_names, recordings};
 use super::{AXES, MeasuredWrench, WrenchAxis};
@@ -24,11 +23,11 @@ pub enum ForcesError {
          at least one of f_x, f_y, f_z, m_x, m_y, m_z, p_x, p_y"
     )]
     Column {
-        /// The missing column.
+        /// Name of the missing column.
         column: &'static str,
         /// The actual header.
         header: String,
-        /// The separator between cells, in words.
+        /// Name of the separator between cells.
         separator: &'static str,
     },
     /// The table has no rows.
@@ -37,9 +36,9 @@ pub enum ForcesError {
     /// A cell is invalid.
     #[error("line {line}: {field} = {value:?}; expected {expected}")]
     Field {
-        /// Line in the file, from 1.
+        /// Line number in the file, from 1.
         line: u64,
-        /// The column.
+        /// Name of the column.
         field: &'static str,
         /// Value found.
         value: String,
@@ -51,13 +50,13 @@ pub enum ForcesError {
 /// One row: an image and the wrench measured when it was taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPicture {
-    /// File of the image or `FILE@TIME`, as in the CSV.
+    /// Name of the image file, or `FILE@TIME`, as in the CSV.
     pub picture: String,
     /// Line number of the row.
     pub line: u64,
     /// Index of the recording.
     pub recording: usize,
-    /// Time, s, or `None` if unknown.
+    /// Time of the image, s, or `None` if unknown.
     pub time: Option<f64>,
     /// Measured wrench.
     pub wrench: MeasuredWrench,
@@ -68,11 +67,11 @@ pub struct MeasuredPicture {
 pub struct MeasuredForces {
     /// Names of the recordings.
     pub recordings: Vec<String>,
-    /// The images, recording by recording.
+    /// The images, by recording and in order of time.
     pub pictures: Vec<MeasuredPicture>,
 }
 
-/// Indices of the columns.
+/// Column indices of the fields of a row.
 struct Columns {
     picture: Option<usize>,
     recording: Option<usize>,
@@ -113,7 +112,7 @@ impl Columns {
         }
     }
 
-    /// Image name in the current row.
+    /// Name of the image in the current row.
     fn picture<R: BufRead>(
         &self,
         table: &Table<R>,
@@ -210,13 +209,13 @@ fn in_order(mut pictures: Vec<MeasuredPicture>, by_name: bool, named: &[String])
     }
 }
 
-/// Returns the number in a column of the current row.
+/// Parses the number in a column of the current row.
 fn number<R: BufRead>(
     table: &Table<R>,
     field: &'static str,
     column: NumberColumn,
 ) -> Result<f64, ForcesError> {
-    /// Maximum magnitude: far above any force or time and far below overflow of sums of squares.
+    /// Maximum absolute value of a number: far above any force or time and far below overflow of sums of squares.
     const LARGEST: f64 = 1e12;
     const EXPECTED: &str = "a finite number, or an empty cell if not measured";
     let expected = match table.number(column) {

@@ -12,7 +12,7 @@ use super::sample::{SampleOf, recording_of};
 /// Minimum number of samples to fit a component.
 pub(super) const MIN_ROWS: usize = 10;
 
-/// Returns `true` if a component was measured often enough and is not constant.
+/// Returns `true` if a component was measured often enough and varies.
 pub(super) fn can_be_learned(target: &Target) -> bool {
     let changes = target.measured.windows(2).any(|pair| pair[0] != pair[1]);
     changes && target.rows.len() >= MIN_ROWS
@@ -32,7 +32,8 @@ pub(super) fn target<B: Basis>(samples: &[&SampleOf<B>], axis: WrenchAxis) -> Ta
 }
 
 /// Fits the components `axes` to `samples`, including the choice of terms and penalties. Omits components with too few
-/// measurements. The novelty model uses the terms `watched`, or by default [`Basis::novelty_terms`]; its limit is not set.
+/// measurements. The novelty model uses the terms `watched` or, if `None`, [`Basis::novelty_terms`]; its limit is not
+/// set.
 pub(super) fn learn<B: Basis>(
     samples: &[&SampleOf<B>],
     axes: &[WrenchAxis],

@@ -1,6 +1,6 @@
 //! Wrench on a whole fingertip, estimated from all elements together.
 //!
-//! Most laboratories have one force sensor under the whole fingertip and cannot load single elements. A wrench
+//! Most laboratories have one force sensor under the fingertip and cannot load individual elements. A wrench
 //! calibration is fitted to images or taxel readings and simultaneous measurements of that sensor. Each component is a
 //! ridge regression on features of all elements ([`moments`] of images, [`taxels`]), with terms and penalty chosen by
 //! cross-validation over blocks of time ([`mod@fit`]), and evaluated on held-out data ([`quality`]). [`forces`] reads
@@ -45,7 +45,7 @@ pub use sensor::WrenchSensor;
 use super::table::Quantity;
 use serde::{Deserialize, Serialize};
 
-/// Number of components of a wrench with the place of contact.
+/// Number of components of a wrench, including the place of contact.
 pub const AXES: usize = 8;
 
 /// A component of a wrench, or of the place of contact.
@@ -79,7 +79,7 @@ pub enum WrenchAxis {
 }
 
 impl WrenchAxis {
-    /// All components, in file order.
+    /// All components, in the order of calibration files.
     pub const ALL: [Self; AXES] = [
         Self::ForceX,
         Self::ForceY,
@@ -91,17 +91,17 @@ impl WrenchAxis {
         Self::PlaceY,
     ];
 
-    /// Index in [`Self::ALL`].
+    /// Index of the component in [`Self::ALL`].
     pub fn index(self) -> usize {
         self as usize
     }
 
-    /// Column name.
+    /// Name of the component in tables, such as `f_x`.
     pub fn name(self) -> &'static str {
         ["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "p_x", "p_y"][self as usize]
     }
 
-    /// Physical quantity.
+    /// Physical quantity of the component.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::ForceX | Self::ForceY | Self::ForceZ => Quantity::Force,
@@ -110,7 +110,7 @@ impl WrenchAxis {
         }
     }
 
-    /// Unit in reports, and its number per [`unit`](Self::unit): places are shown in mm.
+    /// Unit for reports, and the factor that converts to it from [`unit`](Self::unit): places are reported in mm.
     pub fn shown_unit(self) -> (&'static str, f64) {
         match self {
             Self::PlaceX | Self::PlaceY => ("mm", 1e3),
@@ -118,7 +118,7 @@ impl WrenchAxis {
         }
     }
 
-    /// Unit.
+    /// SI unit of the component.
     pub fn unit(self) -> &'static str {
         match self {
             Self::ForceX | Self::ForceY | Self::ForceZ => "N",

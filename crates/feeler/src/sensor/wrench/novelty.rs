@@ -1,4 +1,4 @@
-//! Distance of an image from those of the calibration.
+//! Novelty detection: distance between an image and those of the calibration.
 //!
 //! Probabilistic principal component analysis (Tipping and Bishop, J. R. Stat. Soc. B 61, 1999): features vary along
 //! few principal directions, each with its own variance, and with a common variance in all others. The distance is the
@@ -13,34 +13,34 @@ use super::moments::Terms;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
-/// Fraction of the variance explained by the principal directions.
+/// Minimum fraction of the variance that the principal directions must explain.
 const PART: f64 = 0.95;
 /// Maximum number of principal directions.
 pub(super) const MAX_DIRECTIONS: usize = 12;
-/// Quantile of the distances of the calibration's images from those of other blocks of time. It defines the distance
-/// that counts as near; not the maximum, as a few images are far from all others.
+/// Quantile of the distances of the calibration's images from those of other blocks of time, from which
+/// [`Novelty::limit`] is computed. Not the maximum, because a few images are far from all others.
 pub(super) const NEAR: f64 = 0.9;
-/// Factor on that distance up to which an image still counts as near.
+/// Ratio of [`Novelty::limit`] to the distance at the quantile [`NEAR`].
 pub(super) const MARGIN: f64 = 1.25;
 /// Minimum variance of a direction, relative to 1 for standardised features; smaller ones are rounding errors.
 const MIN_VARIANCE: f64 = 1e-6;
 
-/// Distribution of the images of the calibration.
+/// Distribution of the features in the images of the calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Novelty<T = Terms> {
-    /// Terms used ([`Basis::novelty_terms`]).
+    /// Regression terms whose distribution is modelled ([`Basis::novelty_terms`]).
     pub terms: T,
-    /// Distance up to which an image resembles those of the calibration: 1.25 times the distance within which 90 % of
-    /// the calibration's images are from other blocks of time.
+    /// Distance up to which an image counts as similar to those of the calibration: 1.25 times the 90 % quantile of the
+    /// distances between the calibration's images and those of other blocks of time.
     pub limit: f64,
-    /// Variance in each direction other than the principal ones.
+    /// Variance in each direction orthogonal to the principal ones.
     pub rest: f64,
-    /// The principal directions.
+    /// Principal directions.
     pub directions: Vec<Direction>,
 }
 
-/// A principal direction.
+/// Principal direction with its variance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Direction {
@@ -51,7 +51,7 @@ pub struct Direction {
 }
 
 impl<T: Copy> Novelty<T> {
-    /// Fits the distribution of `terms` to all `features`, whose mean is 0. The caller sets the limit.
+    /// Fits the distribution of `terms` to all `features`, whose mean must be 0. The caller sets the limit.
     pub(super) fn learn<B: Basis<Terms = T>>(basis: &B, features: &[Vec<f64>], terms: T) -> Self {
         let rows: Vec<_> = (0..features.len()).collect();
         let mut looked_at = matrix(basis, features, &rows, terms);
@@ -70,7 +70,8 @@ impl<T: Copy> Novelty<T> {
         }
     }
 
-    /// Distance of standardised `features` from the calibration; about 1 for its own images. Never allocates or panics.
+    /// Distance of standardised `features` from the calibration's distribution; about 1 for its own images. Neither
+    /// allocates nor panics.
     pub fn distance<B: Basis<Terms = T>>(&self, basis: &B, features: &[f64]) -> f64 {
         let values = basis.terms(self.terms, features);
         let (mut total, mut count) = (0.0, 0.0_f64);
@@ -89,7 +90,8 @@ impl<T: Copy> Novelty<T> {
     }
 }
 
-/// Directions of largest variance of `rows`, in descending order: as few as explain `variance`, and at most `most`.
+/// Directions of largest variance of `rows`, in descending order: the fewest that explain the fraction `variance`, and
+/// at most `most`.
 pub(super) fn principal(rows: &DMatrix<f64>, variance: f64, most: usize) -> Vec<Direction> {
     let dual = rows.nrows() <= rows.ncols();
     let gram = match dual {

@@ -1,4 +1,4 @@
-//! Passport of a wrench calibration: when and how it was made, and tests of its validity since.
+//! Passport of a wrench calibration: date, conditions, and later tests of its validity.
 //!
 //! Ranges and held-out errors are part of the calibration ([`AxisQuality`](super::quality::AxisQuality)).
 
@@ -9,21 +9,22 @@ use super::verification::Verification;
 use crate::sensor::fingertip::sha256;
 use serde::{Deserialize, Serialize};
 
-/// Passport of a calibration.
+/// Origin and test history of a calibration.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Passport {
     /// Date of the calibration, UTC, as in 2026-11-28.
     pub date: String,
-    /// Conditions of the calibration in the user's words, such as temperature and mount; may be empty.
+    /// Conditions of the calibration as entered by the user, such as temperature and mount; may be empty.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub conditions: String,
-    /// SHA-256 of the calibration that was transferred from another copy of the sensor, in hexadecimal digits.
+    /// SHA-256 of the original calibration, in hexadecimal digits, if this one was transferred from another copy of the
+    /// sensor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transferred_from: Option<String>,
     /// SHA-256 of the file's canonical TOML with this field empty, in hexadecimal digits.
     pub sha256: String,
-    /// Tests of the calibration, in order of time.
+    /// Later tests of the calibration, in order of time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub verifications: Vec<Verification>,
 }
@@ -42,17 +43,14 @@ impl<B: Basis> CalibrationOf<B> {
         Ok(())
     }
 
-    /// Appends a verification to the passport, creating it if missing.
-    ///
-    /// # Errors
-    /// If a value cannot be represented in TOML.
+    /// Appends a verification to the passport, and creates the passport if missing.
     pub fn add_verification(&mut self, verification: Verification) -> Result<(), WrenchError> {
         let mut passport = self.passport.take().unwrap_or_default();
         passport.verifications.push(verification);
         self.sign(passport)
     }
 
-    /// SHA-256 of the canonical TOML without the checksum itself.
+    /// SHA-256 of the canonical TOML without the checksum field.
     ///
     /// # Errors
     /// If a value cannot be represented in TOML.
@@ -64,7 +62,7 @@ impl<B: Basis> CalibrationOf<B> {
         Ok(sha256(&unsigned.to_toml()?))
     }
 
-    /// Rejects a calibration that was changed after it was written. Accepts those without a passport.
+    /// Rejects a calibration that was modified after it was written. Accepts a calibration without a passport.
     pub(super) fn check_checksum(&self) -> Result<(), WrenchError> {
         let Some(Passport { sha256, .. }) = &self.passport else {
             return Ok(());

@@ -5,13 +5,13 @@ use super::sample::SampleOf;
 use super::{MeasuredWrench, WrenchAxis};
 use crate::sensor::table::Quantity;
 
-/// Load that separates presses, as a fraction of the largest load.
+/// Load below which the fingertip counts as released, as a fraction of the largest load.
 const RELEASED: f64 = 0.1;
 
 /// Returns the indices of the samples of each press, in order. `samples` are in order of time within each recording.
 ///
-/// A press is a run of consecutive samples of one recording with more than a tenth of the largest load. Without measured
-/// forces or torques, it is a run of samples at the same place of contact.
+/// A press consists of consecutive samples of one recording with more than a tenth of the largest load. Without
+/// measured forces or torques, it consists of consecutive samples at the same place of contact.
 pub(super) fn presses<B: Basis>(samples: &[&SampleOf<B>]) -> Vec<Vec<usize>> {
     let scales = largest_values(samples);
     let loaded = |sample: &SampleOf<B>| match &scales {
@@ -41,7 +41,7 @@ pub(super) fn presses<B: Basis>(samples: &[&SampleOf<B>]) -> Vec<Vec<usize>> {
     presses
 }
 
-/// Largest magnitude of forces and of torques, or `None` if neither was measured.
+/// Largest magnitudes of force (N) and torque (N m); `None` if neither was measured.
 fn largest_values<B: Basis>(samples: &[&SampleOf<B>]) -> Option<[f64; 2]> {
     let mut largest = [0.0, 0.0];
     for sample in samples {
@@ -54,7 +54,7 @@ fn largest_values<B: Basis>(samples: &[&SampleOf<B>]) -> Option<[f64; 2]> {
     (largest != [0.0; 2]).then_some(largest)
 }
 
-/// Load relative to the largest force and torque, 0 to 1.
+/// Load relative to the largest force or torque, 0 to 1.
 fn load(wrench: &MeasuredWrench, [force, torque]: &[f64; 2]) -> f64 {
     let part = |quantity, largest: f64| match largest > 0.0 {
         true => length(wrench, quantity) / largest,

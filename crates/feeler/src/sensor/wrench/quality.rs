@@ -5,10 +5,10 @@ use crate::sensor::calibration::outlier::{MIN_SHARE, MISTYPED, robust_deviation}
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Minimum number of readings with growing and with falling load to estimate hysteresis.
+/// Minimum number of samples with increasing and with decreasing load for an estimate of hysteresis.
 const MIN_CYCLED: usize = 3;
 
-/// Errors (predicted minus measured) on held-out samples, N, N m or m.
+/// Statistics of the errors (predicted minus measured) on held-out samples, N, N m or m.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Errors {
@@ -23,7 +23,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Summarizes `errors`. Returns `None` if empty.
+    /// Computes the statistics of `errors`; `None` if empty.
     pub fn of(errors: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (mut rows, mut squares, mut magnitudes, mut sum) = (0, 0.0, 0.0, 0.0);
         for error in errors {
@@ -42,21 +42,21 @@ impl Errors {
     }
 }
 
-/// Errors in one recording.
+/// Prediction errors on the samples of one recording.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordingQuality {
     /// Name of the recording.
     pub name: String,
-    /// Errors with blocks of time held out and the rest of the recording used for training.
+    /// Errors if blocks of time are held out and the rest of the recording is used for training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blocks: Option<Errors>,
-    /// Errors with the whole recording held out, or `None` if there is no other recording.
+    /// Errors if the whole recording is held out; `None` if there is no other recording.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out: Option<Errors>,
 }
 
-/// Errors of one component.
+/// Prediction errors of one component.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisQuality {
@@ -64,17 +64,21 @@ pub struct AxisQuality {
     pub axis: WrenchAxis,
     /// Minimum and maximum of the measured values, N, N m or m.
     pub range: [f64; 2],
-    /// Root mean square error of predicting the mean of the measured values, N, N m or m.
+    /// Root mean square error of the constant prediction by the mean of the measured values, for comparison; N, N m or
+    /// m.
     pub mean_rmse: f64,
-    /// Errors with blocks of time held out. Everything is refitted without them, including terms and penalty.
+    /// Errors if blocks of time are held out. Everything is fitted again without them, including the choice of terms
+    /// and penalty.
     pub blocks: Errors,
     /// R² with blocks held out: 1 for perfect predictions, 0 for predictions no better than the mean.
     pub r2: f64,
-    /// Mean error under growing minus under falling load, blocks held out, N, N m or m; `None` if unknown.
+    /// Hysteresis: mean error under increasing load minus mean error under decreasing load, with blocks held out, N, N
+    /// m or m; `None` if unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<f64>,
-    /// Band of errors that contains 95 % of the valid samples, N, N m or m, from held-out recordings and blocks of time;
-    /// `None` if there are too few samples. Includes hysteresis and preload, which the novelty check does not detect.
+    /// Half-width of the error band that contains 95 % of the valid samples, N, N m or m, from held-out recordings and
+    /// blocks of time; `None` if there are too few samples. Includes hysteresis and preload, which the novelty check
+    /// does not detect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band_95: Option<f64>,
     /// Errors by recording.
@@ -87,48 +91,48 @@ impl AxisQuality {
         100.0 * error / (self.range[1] - self.range[0])
     }
 
-    /// Returns `true` if predictions are better than the mean of the measured values.
+    /// Returns `true` if predictions are better than the constant mean of the measured values.
     pub fn explains(&self) -> bool {
         self.r2 > 0.0
     }
 }
 
-/// Measured value and held-out predictions of one component in one sample, N, N m or m.
+/// Measured value of one component in one sample, with its held-out predictions, N, N m or m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
     /// Index of the recording.
     pub recording: usize,
     /// Measured value.
     pub measured: f64,
-    /// Prediction without the sample's block of time.
+    /// Prediction by a model fitted without the sample's block of time.
     pub by_blocks: Option<f64>,
-    /// Prediction without the sample's recording.
+    /// Prediction by a model fitted without the sample's recording.
     pub by_recording: Option<f64>,
-    /// Novelty distance of the sample without its block of time in the calibration.
+    /// Novelty distance of the sample in a model fitted without its block of time.
     pub distance_by_blocks: Option<f64>,
-    /// Novelty distance of the sample without its recording in the calibration.
+    /// Novelty distance of the sample in a model fitted without its recording.
     pub distance_by_recording: Option<f64>,
 }
 
-/// Minimum number of samples from which the band of errors is measured.
+/// Minimum number of samples for an error band.
 const MIN_IMAGES: usize = 20;
 
-/// Minimum number of samples of a left-out recording that counts in the band of errors.
+/// Minimum number of samples of a held-out recording for it to be included in the error band.
 const MIN_OF_RECORDING: usize = 5;
 
-/// Returns the value that the fraction `part` of `values` does not exceed, or `None` if empty.
+/// Returns the quantile `part` (0 to 1) of `values`; `None` if empty.
 pub(super) fn quantile(mut values: Vec<f64>, part: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let place = (part * values.len() as f64) as usize;
     values.get(place).or(values.last()).copied()
 }
 
-/// Band of errors that contains 95 % of the samples within novelty distance `limit`, N, N m or m; `None` if there are fewer
-/// than 20 samples.
+/// Half-width of the error band that contains 95 % of the samples within novelty distance `limit`, N, N m or m; `None`
+/// if there are fewer than 20 samples.
 ///
 /// The larger of two bands: the 95 % quantile of the errors over blocks of time, and the prediction interval of a new
-/// recording, 1.96 s √(1 + 1/m) with the root mean square error s of m left-out recordings. Only samples within `limit`
-/// count.
+/// recording, 1.96 s √(1 + 1/m) with the root mean square error s of m held-out recordings. Only samples within `limit`
+/// are used.
 pub(super) fn band_95(held_out: &[HeldOut], limit: f64) -> Option<f64> {
     let near = |distance: Option<f64>| distance.is_some_and(|distance| distance <= limit);
     let error = |predicted: Option<f64>, h: &HeldOut| Some((predicted? - h.measured).abs());
@@ -156,10 +160,10 @@ pub(super) fn band_95(held_out: &[HeldOut], limit: f64) -> Option<f64> {
     Some(within.max(between))
 }
 
-/// Returns the measured value farthest from its prediction if it is likely mistyped: off by more than 15 standard
-/// deviations of the errors and by more than a tenth of the range of the other values.
+/// Returns the measured value farthest from its prediction if it is probably mistyped: the error exceeds 15 standard
+/// deviations of the errors and a tenth of the range of the other values.
 pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
-    /// Minimum number of values required to detect an outlier.
+    /// Minimum number of values for detecting an outlier.
     const MIN_ROWS: usize = 30;
     let error = |h: &HeldOut| Some((h.by_blocks? - h.measured).abs());
     let usual = robust_deviation(held_out.iter().filter_map(error));
@@ -181,7 +185,7 @@ pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
     is_far.then_some(held_out[worst])
 }
 
-/// Computes the quality of `axis` from held-out predictions in order of time, or `None` without predictions.
+/// Computes the quality of `axis` from held-out predictions in order of time; `None` if there are no predictions.
 pub(super) fn judge(
     axis: WrenchAxis,
     held_out: &[HeldOut],
@@ -219,7 +223,7 @@ pub(super) fn judge(
     })
 }
 
-/// Mean error under growing load minus that under falling load.
+/// Mean error under increasing load minus mean error under decreasing load; `None` if unknown.
 fn hysteresis(held_out: &[HeldOut]) -> Option<f64> {
     let (mut growing, mut falling) = (Vec::new(), Vec::new());
     for pair in held_out.windows(2) {

@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-/// Recording and order of an image, derived from its name.
+/// Recording and position in time of an image, derived from its file name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PlaceInTime {
-    /// The recording that contains the image.
+    /// Name of the recording that contains the image.
     pub recording: String,
-    /// The number at the end of the name, which gives the order in the recording.
+    /// Number at the end of the image name, which gives the order within the recording.
     pub number: Option<u64>,
 }
 
@@ -33,8 +33,8 @@ pub fn place_in_time(picture: &str) -> PlaceInTime {
     PlaceInTime { recording, number }
 }
 
-/// Groups `pictures` into recordings. Returns the name of each recording, and for each image its recording and its
-/// position in order of time.
+/// Groups `pictures` into recordings. Returns the names of the recordings, and for each image the index of its
+/// recording and its position in time.
 ///
 /// If names do not distinguish recordings (nearly every image would be a recording), all images form one recording in
 /// the given order.
@@ -58,7 +58,7 @@ pub fn recordings<'a>(pictures: impl Iterator<Item = &'a str>) -> (Vec<String>, 
     (names, order.collect())
 }
 
-/// Returns the distinct names in order of first occurrence, and the index of each name among them.
+/// Returns the distinct names in order of first occurrence, and for each name its index among them.
 pub fn number_names<'a>(names: impl Iterator<Item = &'a str>) -> (Vec<String>, Vec<usize>) {
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut different = Vec::new();

@@ -1,20 +1,20 @@
-//! Ridge regression, with fast cross-validation for many penalties.
+//! Ridge regression, with fast cross-validation of many penalties.
 
 use super::blocks::Fold;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Eigenvalues below this fraction of the largest are rounding errors.
+/// Fraction of the largest eigenvalue below which an eigenvalue counts as a rounding error.
 const MIN_EIGENVALUE: f64 = 1e-12;
 
 /// Eigendecomposition of the centred features: `Z Zᵀ = U diag(d) Uᵀ`.
 pub(super) struct Spectrum {
-    /// `U`: one row for each row of features, one column for each direction.
+    /// `U`: one row for each sample, one column for each principal direction.
     directions: DMatrix<f64>,
     eigenvalues: Vec<f64>,
 }
 
 impl Spectrum {
-    /// Decomposes `features` (rows times terms) after centring. Uses the smaller of the two Gram matrices, so that the
+    /// Centres and decomposes `features` (rows times terms). Uses the smaller of the two Gram matrices, so that the
     /// cost is bounded by the number of rows even for many terms.
     pub fn new(mut features: DMatrix<f64>) -> Self {
         centre(&mut features);
@@ -46,9 +46,9 @@ impl Spectrum {
         }
     }
 
-    /// Returns the cross-validation error (predicted minus measured) of each row for each of `penalties`, or `None` for
-    /// rows that no fold holds out and for penalties without a solution. Each prediction comes from a regression on the
-    /// rows that the fold does not hide.
+    /// Returns the cross-validation error (predicted minus measured) of each row for each of `penalties`; `None` for
+    /// rows that are not held out in any fold and for penalties without a solution. Each prediction is by a regression
+    /// on the rows that are not hidden in the fold.
     ///
     /// Exact without refitting: with the hat matrix H of all rows and the residuals r = y - H y, the errors of the
     /// hidden rows S are `-(I - H_SS)⁻¹ r_S` (Cook and Weisberg, Residuals and Influence in Regression, 1982, section
@@ -96,12 +96,13 @@ impl Spectrum {
     }
 }
 
-/// Rows that a fold hides, in the directions of a [`Spectrum`] and of the mean: `V` with `H_SS = V diag(shares) Vᵀ`.
+/// Rows hidden in a fold, expressed in the directions of a [`Spectrum`] and of the mean: `V` with `H_SS = V
+/// diag(shares) Vᵀ`.
 struct HiddenRows {
     directions: DMatrix<f64>,
     /// `Vᵀ V` if it is smaller than `H_SS`.
     gram: Option<DMatrix<f64>>,
-    /// `true` for rows to predict.
+    /// `true` for rows that are predicted.
     is_held: Vec<bool>,
 }
 
@@ -122,7 +123,7 @@ impl HiddenRows {
         }
     }
 
-    /// Solves `(I - V diag(shares) Vᵀ) x = right`, directly or with the identity of Woodbury.
+    /// Solves `(I - V diag(shares) Vᵀ) x = right`, directly or with the Woodbury identity.
     fn solve(&self, shares: &DVector<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
         let own = &self.directions;
         let Some(gram) = &self.gram else {
@@ -165,7 +166,7 @@ pub(super) fn regress(
     finite.then(|| (intercept, weights.iter().copied().collect()))
 }
 
-/// Subtracts the mean from each column. Returns the means.
+/// Subtracts the mean from each column. Returns the means of the columns.
 fn centre(features: &mut DMatrix<f64>) -> DVector<f64> {
     let rows = features.nrows().max(1) as f64;
     let means: Vec<f64> = features

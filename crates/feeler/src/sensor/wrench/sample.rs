@@ -12,13 +12,13 @@ pub type WrenchSample = SampleOf<MomentBasis>;
 pub struct SampleOf<B: Basis> {
     /// Index of the recording.
     pub recording: usize,
-    /// Measurement of each element; for an image its moments, `None` if it is dark or saturated.
+    /// Measurement of all elements; for an image the moments of each element, `None` if it is dark or saturated.
     pub seen: B::Input,
     /// Measured wrench.
     pub wrench: MeasuredWrench,
 }
 
-/// Recording of each sample.
+/// Index of the recording of each sample.
 pub(super) fn recording_of<B: Basis>(samples: &[&SampleOf<B>]) -> Vec<usize> {
     samples.iter().map(|sample| sample.recording).collect()
 }

@@ -11,7 +11,7 @@ use crate::sensor::image::camera::{Camera, CameraError};
 use crate::sensor::image::frame::Frame;
 use glam::{DMat3, DVec3};
 
-/// Novelty above which no force is reported, which stops the hand.
+/// Maximum novelty for which a force is reported; above it, the missing force stops the hand.
 const FARTHEST_NOVELTY: f64 = 2.0;
 
 /// A fingertip that measures only the total force.
@@ -67,7 +67,7 @@ impl<C: Camera> WrenchSensor<C> {
         Self { axes, ..self }
     }
 
-    /// The camera.
+    /// Camera that supplies the images.
     pub fn camera(&self) -> &C {
         &self.camera
     }
@@ -77,7 +77,7 @@ impl<C: Camera> WrenchSensor<C> {
         &mut self.camera
     }
 
-    /// The wrench of the last reading in the calibrated frame, or `None` before the first.
+    /// Wrench of the latest reading in the calibrated frame; `None` before the first reading.
     pub fn estimate(&self) -> Option<&WrenchEstimate> {
         self.estimate.as_ref()
     }
@@ -89,7 +89,7 @@ pub fn element_force(on_fingertip: DVec3) -> DVec3 {
     DVec3::new(on_fingertip.x, on_fingertip.y, -on_fingertip.z)
 }
 
-/// Checks that `calibration` is for `count` elements and contains all components of the force.
+/// Checks that `calibration` is for `count` elements and contains all force components.
 pub(super) fn check_forces<B: Basis>(
     calibration: &CalibrationOf<B>,
     count: usize,
@@ -107,7 +107,7 @@ pub(super) fn check_forces<B: Basis>(
     })
 }
 
-/// Returns the force of the only element.
+/// Returns mutable access to the force of the only element.
 pub(super) fn only_force(forces: &mut [DVec3]) -> Result<&mut DVec3, SensorError> {
     let actual = forces.len();
     let [force] = forces else {
@@ -119,8 +119,8 @@ pub(super) fn only_force(forces: &mut [DVec3]) -> Result<&mut DVec3, SensorError
     Ok(force)
 }
 
-/// Force of the fingertip's element, or [`NO_FORCE`] if it is unknown or unreliable. `axes` converts the calibrated
-/// force to that on the fingertip.
+/// Force of the fingertip's element; [`NO_FORCE`] if it is unknown or unreliable. `axes` converts the calibrated force
+/// to the force on the fingertip.
 pub(super) fn felt_force(estimate: &WrenchEstimate, axes: DMat3) -> DVec3 {
     let felt = estimate
         .force()

@@ -1,4 +1,4 @@
-//! Validates a wrench calibration: predictions of held-out samples by refitted models.
+//! Validates a wrench calibration with predictions of held-out samples by refitted models.
 
 use super::WrenchAxis;
 use super::basis::Basis;
@@ -12,13 +12,13 @@ use std::thread;
 
 /// Number of blocks of time per recording.
 const BLOCKS: usize = 5;
-/// Maximum number of folds of held-out recordings.
+/// Maximum number of folds that hold out recordings.
 const MAX_RECORDINGS: usize = 10;
 
-/// Validation results of a calibration.
+/// Results of validating a calibration.
 pub(super) struct Validated {
     axes: Vec<(AxisQuality, Vec<HeldOut>)>,
-    /// Distance of each sample from the samples of other blocks.
+    /// Novelty distance of each sample from the samples of other blocks.
     distances: Vec<f64>,
 }
 
@@ -29,7 +29,7 @@ impl Validated {
         found.map(|(quality, held_out)| (quality, &held_out[..]))
     }
 
-    /// Distance within which a fraction [`NEAR`] of the samples is from those of other blocks; 1 if unknown.
+    /// Quantile [`NEAR`] of the distances of samples from those of other blocks; 1 if unknown.
     pub fn near(&self) -> f64 {
         let distances = self.distances.iter().copied();
         let distances = distances.filter(|d| d.is_finite() && *d > 0.0);
@@ -71,17 +71,17 @@ pub(super) fn validate<B: Basis>(
     }
 }
 
-/// Held-out prediction of a sample.
+/// Prediction of a held-out sample.
 #[derive(Clone)]
 pub(super) struct Predicted {
-    /// Each component of the whole model; `None` if there is too little data without the fold.
+    /// Prediction of each component of the full model; `None` if there is too little data for it without the fold.
     pub values: Vec<Option<f64>>,
-    /// Novelty distance.
+    /// Novelty distance of the sample.
     pub distance: f64,
 }
 
 impl Predicted {
-    /// Predicts the components `axes` from a measurement, with the components that `model` has.
+    /// Predicts the components `axes` from a measurement; `None` for components that `model` does not contain.
     pub fn new<B: Basis>(model: &WrenchModel<B>, axes: &[WrenchAxis], seen: &B::Input) -> Self {
         let basis = &model.elements;
         let mut features = vec![0.0; basis.feature_count()];
@@ -97,7 +97,7 @@ impl Predicted {
     }
 }
 
-/// Predicts each sample with a model of the same components, fitted without the fold that holds it out.
+/// Predicts each sample with a model of the same components, fitted without the sample's fold.
 fn held_out<B: Basis>(
     samples: &[&SampleOf<B>],
     whole: &WrenchModel<B>,

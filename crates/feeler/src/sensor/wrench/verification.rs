@@ -1,10 +1,11 @@
 //! Tests whether a calibration is still valid, from a few presses with measured wrenches.
 //!
-//! The calibration states a band that contains the errors of 95 % of the samples ([`AxisQuality::band_95`]). If it is still
-//! valid, more than half of a press's samples are outside the band with a probability of at most 10 % (Markov's inequality,
-//! for any distribution of the errors and any correlation within a press). A component is rejected if k of n presses are
-//! outside and the binomial probability of k or more, at 10 % each, does not exceed the false-alarm rate, which the
-//! components share. If all presses of a session are off together, the false-alarm rate is at most 10 %.
+//! The calibration contains a band that includes the errors of 95 % of the samples ([`AxisQuality::band_95`]). If it is
+//! still valid, more than half of a press's samples are outside the band with a probability of at most 10 % (Markov's
+//! inequality, for any distribution of the errors and any correlation within a press). A component is rejected if k of
+//! n presses are outside and the binomial probability of k or more, at 10 % each, does not exceed the false-alarm rate,
+//! which is divided among the components. If the errors of all presses in a session are fully correlated, the
+//! false-alarm rate is at most 10 %.
 //!
 //! [`AxisQuality::band_95`]: super::quality::AxisQuality::band_95
 
@@ -28,11 +29,11 @@ const MAX_OUTSIDE: f64 = 0.1;
 pub struct Verification {
     /// Date of the test, UTC, as in 2026-11-28.
     pub date: String,
-    /// Maximum probability that a valid calibration is rejected if presses are independent.
+    /// Maximum probability of rejecting a valid calibration, if presses are independent.
     pub false_alarm_rate: f64,
     /// `true` if no component was rejected.
     pub valid: bool,
-    /// Result for each component of the calibration that was measured.
+    /// Result for each measured component of the calibration.
     pub axes: Vec<AxisVerification>,
 }
 
@@ -44,11 +45,12 @@ pub struct AxisVerification {
     pub axis: WrenchAxis,
     /// Number of presses.
     pub presses: usize,
-    /// Number of presses with more than half of the samples outside the 95 % band, or unlike those of the calibration.
+    /// Number of presses with more than half of the samples outside the 95 % band, or not similar to the calibration's
+    /// samples.
     pub outside: usize,
-    /// Minimum number of presses outside for which the component is rejected.
+    /// Minimum number of presses outside the band for which the component is rejected.
     pub rejected_from: usize,
-    /// Errors of the valid samples, N, N m or m; `None` without any.
+    /// Errors of the valid samples, N, N m or m; `None` if no sample is valid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub errors: Option<Errors>,
     /// Slope of the regression of measured on predicted values, minus 1; `None` if predictions are constant.
@@ -63,15 +65,15 @@ impl AxisVerification {
     }
 }
 
-/// Tests `calibration` with `samples`, in order of time within each recording. `date` is recorded as the date of the
+/// Tests `calibration` with `samples`, in order of time within each recording. `date` is stored as the date of the
 /// test.
 ///
-/// Samples beyond the calibrated range of a component are ignored, as are presses too weak to be outside the band of any
-/// measured force or torque.
+/// Samples outside the calibrated range of a component are ignored, and so are presses whose measured forces and
+/// torques are all smaller than the band.
 ///
 /// # Errors
-/// If no component of the calibration was measured, if one was measured only beyond its range or has an unknown band of
-/// errors, or if there are too few presses to reject it.
+/// If no component of the calibration was measured, if one was measured only outside its range or has an unknown error
+/// band, or if there are too few presses to reject it.
 pub fn verify<B: Basis>(
     calibration: &CalibrationOf<B>,
     samples: &[SampleOf<B>],
@@ -139,8 +141,8 @@ pub fn verify<B: Basis>(
     })
 }
 
-/// Returns `true` if a force or torque of a press exceeds its band of errors, so that a sensor without response would be
-/// outside. Presses with a measured place are strong.
+/// Returns `true` if a press is strong enough for the test: a force or torque exceeds its error band, so that the press
+/// would be outside for a sensor without response. Presses with a measured place of contact always are.
 fn is_strong<'a, B: Basis>(
     calibration: &CalibrationOf<B>,
     wrenches: impl Iterator<Item = &'a MeasuredWrench> + Clone,
@@ -157,10 +159,10 @@ fn is_strong<'a, B: Basis>(
     })
 }
 
-/// A measured value, and the predicted one if it is valid.
+/// Measured value, and predicted value if it is valid.
 type Compared = (f64, Option<f64>);
 
-/// Tests one component with the samples of each press.
+/// Tests one component, given the samples of each press.
 fn test(
     quality: &AxisQuality,
     presses: &[Vec<Compared>],
@@ -201,7 +203,7 @@ fn test(
     })
 }
 
-/// Slope of the regression of measured on predicted values, or `None` if the predicted ones are constant.
+/// Slope of the linear regression of measured on predicted values; `None` if the predicted values are constant.
 fn slope(pairs: &[[f64; 2]]) -> Option<f64> {
     let count = pairs.len() as f64;
     let mean = |index: usize| pairs.iter().map(|pair| pair[index]).sum::<f64>() / count;
@@ -215,8 +217,8 @@ fn slope(pairs: &[[f64; 2]]) -> Option<f64> {
     (square > 0.0).then(|| common / square)
 }
 
-/// Minimum number of `presses` that are outside with a probability of at most `rate` if the calibration is valid, or
-/// `None` if even all of them are outside more often.
+/// Smallest k for which the probability that k or more of `presses` presses are outside the band of a valid calibration
+/// is at most `rate`; `None` if there is no such k.
 fn rejected_from(presses: usize, rate: f64) -> Option<usize> {
     let factorial = |n: usize| libm::lgamma(n as f64 + 1.0);
     let probability = |outside: usize| {
@@ -236,7 +238,7 @@ fn rejected_from(presses: usize, rate: f64) -> Option<usize> {
     rarer.last()
 }
 
-/// Minimum number of presses with which a calibration can be rejected.
+/// Minimum number of presses for which a calibration can be rejected at the false-alarm rate `rate`.
 fn fewest_presses(rate: f64) -> usize {
     (1..)
         .find(|&presses| rejected_from(presses, rate).is_some())

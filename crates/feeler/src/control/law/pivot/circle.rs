@@ -1,4 +1,4 @@
-//! Least-squares circle through the contact points of all fingers, seen along the object's axis.
+//! Least-squares circle through the contact points of all fingers, projected along the object's axis.
 
 use glam::DVec2;
 use nalgebra::{Matrix3, Vector3};
@@ -22,7 +22,7 @@ pub(super) struct Circle {
 #[derive(Debug, Clone)]
 pub(super) struct CircleFit {
     prior: Circle,
-    /// Normal equations of (a, b, g).
+    /// Matrix of the normal equations for (a, b, g).
     matrix: Matrix3<f64>,
     right: Vector3<f64>,
 }
@@ -39,7 +39,7 @@ impl CircleFit {
         }
     }
 
-    /// Adds a contact point (m, x and y in W).
+    /// Adds a contact point (m, x and y in W) to the sums.
     pub fn add(&mut self, point: DVec2) {
         let point = point - self.prior.centre;
         let row = Vector3::new(point.x, point.y, 1.0);
@@ -47,7 +47,7 @@ impl CircleFit {
         self.right += row * point.length_squared();
     }
 
-    /// The best fit of all points and the prior.
+    /// Circle that best fits all points and the prior.
     pub fn circle(&self) -> Circle {
         // The prior makes the matrix positive definite.
         let Some(factor) = self.matrix.cholesky() else {

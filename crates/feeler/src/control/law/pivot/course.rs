@@ -1,12 +1,12 @@
-//! Path of a finger's MOVE, and its deviation from a circle if it followed the planned straight line.
+//! Path of a finger in the phase MOVE, and how far the planned straight line deviates from a circle.
 
 use super::circle::Circle;
 use glam::DVec2;
 
-/// Range of the travel, as fractions, over which a path is compared with the planned line.
+/// Start and end of the compared part of a path, as fractions of the travel.
 const WINDOW: (f64, f64) = (0.25, 0.98);
 
-/// Start and end of a MOVE (m, x and y in W), and its planned direction.
+/// Start and end (m, x and y in W) and planned direction of a finger's path in the phase MOVE.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct MovePath {
     pub start: DVec2,

@@ -16,22 +16,24 @@ use glam::{DVec2, DVec3};
 
 /// Compression below which an element's force is treated as noise (N).
 const NOISE: f64 = 0.03;
-/// Weight of the latest rate in the low-passed rate of the largest element force.
+/// Weight of the latest rate of change in its low-pass filter, for the largest element force.
 const RATE_FILTER: f64 = 0.5;
-/// Lead time for extrapolating the largest element force (s): about a control period plus a drive's lag.
+/// Lead time for extrapolating the largest element force (s): about one control period plus the drive lag.
 const LEAD: f64 = 0.03;
-/// Target of the largest element force in the first stroke, whose path does not count, relative to F2.
+/// Target of the largest element force in the first stroke, as a fraction of F2. The path of that stroke is not
+/// evaluated.
 const FIRST_FORCE: f64 = 0.95;
-/// Gain of the force regulator in the first stroke (1/s).
+/// Gain of the force control in the first stroke (1/s).
 const FIRST_GAIN: f64 = 8.0;
-/// Guard threshold in the first two strokes, before the radius has settled, relative to F2.
+/// Element force above which a finger retreats in the first two strokes, as a fraction of F2; the radius has not
+/// settled yet.
 const EARLY_GUARD: f64 = 1.1;
-/// Gain of the guard (1/s).
+/// Gain of the retreat from an excessive element force (1/s).
 const GUARD_GAIN: f64 = 20.0;
 /// Number of strokes after which the radius has settled.
 const SETTLED: u32 = 2;
-/// Maximum target of the largest element force, relative to F2, before the object has resisted being turned. When it
-/// does, the force rises even on an unchanged path.
+/// Maximum target of the largest element force, as a fraction of F2, until the object resists being turned. From then
+/// on, the force rises even on an unchanged path.
 const LOOSE_FORCE: f64 = 1.0;
 
 /// Kind of motion that a plan requests of a finger.
@@ -41,11 +43,11 @@ pub(super) enum Motion {
     Close,
     /// Turning the object about the pivot.
     Turn,
-    /// Any other motion, without contact control.
+    /// Any other motion, without force control.
     Free,
 }
 
-/// First contact of a closing motion.
+/// State at the first contact of a closing motion.
 #[derive(Debug, Clone, Copy)]
 struct Onset {
     /// Position of the dome's centre (m, x and y in W).
@@ -54,14 +56,14 @@ struct Onset {
     force: f64,
 }
 
-/// State of one finger.
+/// State of one finger in the law.
 #[derive(Debug, Clone)]
 pub(super) struct Finger {
     dome_radius: f64,
-    /// F1 (N).
+    /// F1: compression above which an element is in contact (N).
     touch_force: f64,
     stiffness_fit: StiffnessFit,
-    /// Contact stiffness from all closing motions so far; `None` before the first.
+    /// Contact stiffness estimated from all closing motions so far; `None` before the first one.
     stiffness: Option<Stiffness>,
     motion: Motion,
     /// Sequence number of the latest tactile frame.
@@ -73,7 +75,7 @@ pub(super) struct Finger {
     frame_stamp: f64,
     /// Position of the dome's centre (m, x and y in W).
     position: DVec2,
-    /// Position at which the first closing motion began (m), or `None` before it.
+    /// Position at which the first closing motion began (m); `None` before it.
     home: Option<DVec2>,
     /// First contacts of the latest and the previous closing motion.
     onset: Option<Onset>,
@@ -81,13 +83,13 @@ pub(super) struct Finger {
     course: MovePath,
     record: StrokeRecord,
     needed_grip: NeededGrip,
-    /// Number of strokes from which a lesson was computed.
+    /// Number of strokes from which parameters for the next stroke were computed.
     strokes: u32,
     lesson: Option<StrokeParameters>,
 }
 
 impl Finger {
-    /// Creates the state of a finger with the elements of `layout`, which touch above `touch_force` (F1, N).
+    /// Creates the state of a finger with the elements of `layout`, which are in contact above `touch_force` (F1, N).
     pub fn new(layout: &ElementLayout, touch_force: f64) -> Self {
         Self {
             dome_radius: layout.dome_radius,
@@ -132,7 +134,7 @@ impl Finger {
         self.motion
     }
 
-    /// Updates the finger with the latest position and forces. Adds touching elements to the stiffness fit while
+    /// Updates the finger with the latest position and forces. Adds elements in contact to the stiffness fit while
     /// closing, and to `contacts` while turning.
     pub fn feel(&mut self, sense: &FingerReadings<'_>, mut contacts: Option<&mut CircleFit>) {
         self.position = sense.pose.position.truncate();
@@ -164,14 +166,14 @@ impl Finger {
         }
     }
 
-    /// Predicts the shear forces of the latest frame. Returns the share of the fingertip's motion that the object may
-    /// have followed, 0 to 1, judged by this finger alone.
+    /// Predicts the shear forces of the latest frame. Returns the fraction (0 to 1) of the fingertip's motion that the
+    /// object may have followed, estimated from this finger alone.
     pub fn foretell_shear(&mut self, sense: &FingerReadings<'_>) -> f64 {
         self.needed_grip.predict_shear(sense)
     }
 
-    /// Updates slip and the required grasp force with the latest frame, for an object that has followed the share
-    /// `along` of the fingertip's motion, 0 to 1.
+    /// Updates slip detection and the required grasp force with the latest frame. `along` is the fraction (0 to 1) of
+    /// the fingertip's motion that the object has followed.
     pub fn feel_slip(&mut self, sense: &FingerReadings<'_>, circle: Option<Circle>, along: f64) {
         if let (Some(stiffness), Some(circle)) = (self.stiffness, circle) {
             let surface = Surface {
@@ -210,7 +212,7 @@ impl Finger {
         }
     }
 
-    /// Updates the kind of motion from the latest plan; starts and ends closing motions and strokes.
+    /// Updates the kind of motion from the latest plan. Starts and ends closing motions and strokes.
     pub fn follow(
         &mut self,
         plan: &Plan,
@@ -282,7 +284,7 @@ impl Finger {
     }
 
     /// Velocity of a finger that turns the object (m/s, in W): around the pivot at the planned speed, at the radius
-    /// learnt in earlier strokes.
+    /// computed from earlier strokes.
     pub fn turn(
         &mut self,
         plan: &Plan,
@@ -315,7 +317,7 @@ impl Finger {
         (speed * tangent + radial * outward).extend(plan.velocity.z)
     }
 
-    /// Speed away from the pivot (m/s) of a finger that is `inside` (m) its circle.
+    /// Radial speed away from the pivot (m/s) of a finger that is `inside` (m) its circle.
     fn radial_speed(&self, config: &PivotConfig, rated_force: f64, inside: f64) -> f64 {
         let Some(stiffness) = self.stiffness else {
             return config.gain * inside;

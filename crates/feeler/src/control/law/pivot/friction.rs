@@ -1,40 +1,41 @@
-//! Friction coefficient of one finger's contact, learnt from sticking and slipping elements.
+//! Estimates the friction coefficient of one finger's contact from sticking and slipping elements.
 
-/// Lost shear above which an element has slipped if it used most of the friction, in standard deviations of the
+/// Loss of shear above which an element that was near the friction limit has slipped, in standard deviations of the
 /// noise.
 const SLIP_NOISES: f64 = 4.0;
-/// Share of the friction coefficient above which an element is likely to slip.
+/// Fraction of the friction coefficient above which an element counts as near the limit.
 const NEAR: f64 = 0.92;
-/// Lost shear above which an element has slipped in any case, relative to its normal force.
+/// Loss of shear above which an element has slipped in any case, relative to its normal force.
 const LARGE_LOSS: f64 = 0.2;
 /// Valid range of friction coefficients.
 const RANGE: (f64, f64) = (0.1, 3.0);
-/// Weight of a force ratio above the estimated coefficient, at a slip or without one.
+/// Weight of a force ratio above the estimated coefficient, with or without a slip.
 const RISE: f64 = 0.3;
-/// Weight of a slip at a force ratio below the estimated coefficient, which may be a false alarm.
+/// Weight of a slip at a force ratio below the estimated coefficient, as it may be a false alarm.
 const FALL: f64 = 0.1;
-/// Relative growth of the coefficient without slip (1/s), so that the grip decreases until an element slips.
+/// Relative increase of the coefficient while there is no slip (1/s), so that the grip decreases until an element
+/// slips.
 const GROWTH: f64 = 0.05;
 
-/// Forces on one touching element at the latest frame.
+/// Forces on one element in contact at the latest frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Observation {
     /// Ratio of tangential to normal force.
     pub ratio: f64,
     /// Normal force (N).
     pub normal: f64,
-    /// Shear lost since the previous frame (N).
+    /// Shear lost by slipping since the previous frame (N).
     pub lost: f64,
     /// Standard deviation of the noise of a shear component (N).
     pub noise: f64,
 }
 
-/// Friction between one finger and the object.
+/// Friction estimate for the contact of one finger.
 #[derive(Debug, Clone)]
 pub(super) struct Friction {
     /// Friction coefficient; `None` before the first slip.
     coefficient: Option<f64>,
-    /// Ratio of tangential to normal force of each element at the previous frame; `None` if it did not touch.
+    /// Ratio of tangential to normal force of each element at the previous frame; `None` if it was not in contact.
     ratios: Vec<Option<f64>>,
     /// `true` if an element slipped in the latest frame.
     slips: bool,
@@ -60,7 +61,7 @@ impl Friction {
         self.slips
     }
 
-    /// Starts a frame, `interval` (s) after the previous one.
+    /// Starts a new frame, `interval` (s) after the previous one.
     pub fn start(&mut self, interval: f64) {
         let slipped = std::mem::take(&mut self.slips);
         if !slipped && let Some(coefficient) = &mut self.coefficient {
@@ -68,13 +69,13 @@ impl Friction {
         }
     }
 
-    /// Ends the stroke: no element touches or slips.
+    /// Resets the state between strokes, when no element is in contact.
     pub fn rest(&mut self) {
         self.ratios.fill(None);
         self.slips = false;
     }
 
-    /// Adds an element; `now` is `None` if it does not touch.
+    /// Adds the observation of an element; `now` is `None` if it is not in contact.
     pub fn add(&mut self, element: usize, now: Option<Observation>) {
         let Some(ratio) = self.ratios.get_mut(element) else {
             return;

@@ -1,11 +1,11 @@
-//! Control law in which all fingers turn the object about a pivot estimated from touch. Not in the paper.
+//! Control law with which all fingers turn the object about a pivot estimated from contact points. Not in the paper.
 //!
-//! The law needs neither a model of the object nor tuning for the hand. While a finger closes, the law measures the
-//! contact stiffness of its feelers (`stiffness.rs`). The displaced tips of all touching feelers then lie on the
-//! object's surface; a circle through them (`circle.rs`) gives the pivot. In MOVE, each fingertip moves around the
-//! pivot at a radius that is learnt from stroke to stroke, so that the largest element force approaches `peak_force`
-//! times F2 (`stroke.rs`). With [`Grip::AsNeeded`], the radius instead follows the grasp force that the load requires
-//! (`needed_grip.rs`).
+//! The law requires neither a model of the object nor tuning for the hand. While a finger closes, the law measures the
+//! contact stiffness of its feelers (`stiffness.rs`). The displaced tips of all feelers in contact then lie on the
+//! object's surface; a circle through them (`circle.rs`) gives the pivot. In the phase MOVE, each fingertip moves
+//! around the pivot at a radius that is adapted from stroke to stroke, so that the largest element force approaches
+//! `peak_force` times F2 (`stroke.rs`). With [`Grip::AsNeeded`], the radius instead follows the grasp force that the
+//! load requires (`needed_grip.rs`).
 //!
 //! The object's axis is assumed to be parallel to z of W; positions are x and y in W.
 
@@ -32,10 +32,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Grip {
-    /// As firm as the rating of the elements allows. Turns the object with the largest torque.
+    /// As firm as the rated force of the elements allows. Turns the object with the largest torque.
     #[default]
     Firm,
-    /// Slightly firmer than slip shows to be necessary. Squeezes the object least.
+    /// Slightly firmer than necessary to prevent slip. Squeezes the object least.
     AsNeeded,
 }
 
@@ -49,23 +49,23 @@ impl Grip {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PivotConfig {
-    /// Firmness of the grip.
+    /// Target firmness of the grip.
     #[serde(skip_serializing_if = "Grip::is_firm")]
     pub grip: Grip,
     /// Target of the largest element force in a stroke, relative to F2.
     pub peak_force: f64,
-    /// Element force above which a finger retreats from the object, relative to F2; at least `peak_force`.
+    /// Element force above which a finger retreats from the object, relative to F2; must be at least `peak_force`.
     pub guard_force: f64,
-    /// Radial speed per radial error (1/s).
+    /// Radial speed per radial position error (1/s).
     pub gain: f64,
-    /// Maximum deviation from the circle that a finger may use to keep its grasp force constant: standard deviation
-    /// of the radius relative to that along the planned straight line.
+    /// Maximum deviation from the circle that may be used to keep the grasp force constant: standard deviation of the
+    /// radius, relative to that of the planned straight line.
     pub path_tolerance: f64,
 }
 
 impl Default for PivotConfig {
-    /// Values chosen on hands drawn with the seeds 101 to 107 and 20000 to 60149. Drives with a lag of 30 ms and a
-    /// control period of 10 ms start to oscillate at a gain of about 30/s.
+    /// Values chosen on simulated hands with the seeds 101 to 107 and 20000 to 60149. With a drive lag of 30 ms and a
+    /// control period of 10 ms, oscillation starts at a gain of about 30/s.
     fn default() -> Self {
         Self {
             grip: Grip::Firm,
@@ -78,7 +78,7 @@ impl Default for PivotConfig {
 }
 
 impl PivotConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let key = |field: &str| format!("{key}.{field}");
         checker.between(&key("peak_force"), self.peak_force, 0.1, 10.0);
@@ -89,22 +89,22 @@ impl PivotConfig {
     }
 }
 
-/// Control law of one hand, with its estimates of stiffness, pivot and radius.
+/// State of the law for one hand, with its estimates of stiffness, pivot and radius.
 #[derive(Debug, Clone)]
 pub struct Pivot {
     config: PivotConfig,
-    /// F2 (N).
+    /// F2: rated force of an element (N).
     rated_force: f64,
     fingers: Vec<Finger>,
-    /// Contact points so far; `None` before all fingers have closed for the first time.
+    /// Circle fit through the contact points so far; `None` before all fingers have closed for the first time.
     contacts: Option<CircleFit>,
-    /// The circle through the contact points.
+    /// Circle through the contact points.
     circle: Option<Circle>,
 }
 
 impl Pivot {
-    /// Creates the law for fingers with the elements of `layouts`. F2 of the `thresholds` is the rated force of an
-    /// element; an element above F1 counts as a contact point.
+    /// Creates the law for fingers with the elements of `layouts`. F2 in `thresholds` is the rated force of an element;
+    /// elements above F1 give contact points.
     pub fn new(
         config: &PivotConfig,
         thresholds: &FlagThresholds,
@@ -142,8 +142,8 @@ impl Pivot {
         self.circle = Some(Circle { centre, radius });
     }
 
-    /// Updates slip and the required grasp force of each finger. As all fingers turn the same object, the element
-    /// that sticks best, of any finger, shows how far the object has followed their motion.
+    /// Updates slip detection and the required grasp force of each finger. All fingers turn the same object, so the
+    /// element that sticks best, on any finger, shows how far the object has followed their motion.
     fn feel_slip(&mut self, hand: &HandReadings<'_>) {
         let fingers = self.fingers.iter_mut().zip(hand.fingers());
         let along = fingers.map(|(finger, sense)| finger.foretell_shear(&sense));

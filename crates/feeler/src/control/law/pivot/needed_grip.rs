@@ -1,8 +1,8 @@
-//! Grip that presses the object slightly more than slip shows to be necessary.
+//! Control of the grasp force to slightly more than the minimum that prevents slip.
 //!
 //! The minimum grasp force is the load on the finger divided by the friction coefficient (`friction.rs`). The finger
 //! reacts to a slip within the same control period: a velocity pulse presses the feelers deeper by a fixed fraction,
-//! independent of the speed of the drives, and the grasp force stays higher for a while.
+//! independently of the speed of the drives, and the target grasp force is increased for a while.
 
 use super::friction::{Friction, Observation};
 use crate::control::feeler_shape::{FeelerShape, Stiffness};
@@ -14,29 +14,29 @@ use glam::{DVec2, DVec3};
 const EXTRA: f64 = 0.15;
 /// Time constant of the decay of the additional grasp force (s).
 const EXTRA_TIME: f64 = 0.1;
-/// Depth of the pulse after a slip, relative to the current depth of the feelers.
+/// Depth of the velocity pulse after a slip, relative to the current deformation of the feelers.
 const PULSE: f64 = 0.45;
-/// Minimum grasp force, relative to F1: below F1 an element does not touch, and its slip goes undetected.
+/// Minimum grasp force, relative to F1. Below F1, an element is not in contact and its slip cannot be detected.
 const MIN_TOUCH: f64 = 1.5;
-/// Relative change of the grasp force per relative error (1/s).
+/// Rate of relative change of the grasp force per relative error (1/s).
 const GAIN: f64 = 10.0;
-/// Maximum relative error that the gain applies to.
+/// Maximum relative error to which the gain is applied.
 const LARGEST_ERROR: f64 = 0.5;
 /// Maximum speeds towards the object and away from it (m/s).
 const INWARD_SPEED: f64 = 0.05;
 const OUTWARD_SPEED: f64 = 0.004;
-/// Lead time for extrapolating the load (s): about a control period plus a drive's lag.
+/// Lead time for extrapolating the load (s): about one control period plus the drive lag.
 const LOAD_LEAD: f64 = 0.03;
 /// Lead time for extrapolating the grasp force (s).
 const GRIP_LEAD: f64 = 0.015;
-/// Weight of the latest rate in a low-passed rate.
+/// Weight of the latest rate of change in its low-pass filter.
 const RATE_FILTER: f64 = 0.4;
-/// Weight of the latest frame in the variance of the noise.
+/// Weight of the latest frame in the estimated variance of the noise.
 const NOISE_FILTER: f64 = 0.02;
-/// Compression below which an element does not touch (N).
+/// Compression below which an element counts as not in contact (N).
 const UNTOUCHED: f64 = 0.03;
 
-/// A force (N) and its low-passed rate (N/s).
+/// Force (N) and its low-pass filtered rate of change (N/s).
 #[derive(Debug, Clone, Copy, Default)]
 struct Tracked {
     force: f64,
@@ -57,7 +57,7 @@ impl Tracked {
     }
 }
 
-/// Object's surface at a finger that turns it.
+/// Object's surface at the contact of a finger that turns the object.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
     /// Contact stiffness of the feelers.
@@ -67,8 +67,8 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Force on the feeler of `element` (N): along the surface's normal (positive when pressed), along the surface's
-    /// tangent perpendicular to z of W, and along z. `None` if the element does not touch.
+    /// Force on the feeler of `element` (N): along the surface normal (positive when pressed), along the surface
+    /// tangent perpendicular to z of W, and along z of W. `None` if the element is not in contact.
     fn force(&self, sense: &FingerReadings<'_>, element: usize) -> Option<DVec3> {
         let own = sense.layout.elements.get(element)?;
         let force = *sense.touch.frame.forces.get(element)?;
@@ -88,12 +88,12 @@ impl Surface {
     }
 }
 
-/// Grasp force that one finger needs, from the load on it and from slip.
+/// Estimates the grasp force that one finger requires, from its load and from slip.
 #[derive(Debug, Clone)]
 pub(super) struct NeededGrip {
     detector: SlipDetector,
     friction: Friction,
-    /// F1 (N).
+    /// F1: compression above which an element is in contact (N).
     touch_force: f64,
     /// Sequence number of the latest frame, and whether [`Self::feel`] has yet to process it.
     newest: Option<u64>,
@@ -103,16 +103,16 @@ pub(super) struct NeededGrip {
     interval: f64,
     /// Variance of the noise of a shear component (N²).
     noise: f64,
-    /// Sums over the touching elements: force along the surface's normal, and along its tangent perpendicular to z of
-    /// W.
+    /// Sums over the elements in contact: force along the surface normal, and along the surface tangent perpendicular
+    /// to z of W.
     normal: Tracked,
     load: Tracked,
-    /// Additional grasp force because of the latest slip, relative to the minimum.
+    /// Additional grasp force after the latest slip, relative to the minimum.
     extra: f64,
 }
 
 impl NeededGrip {
-    /// Creates the grip of a finger of `elements` elements, which touch above `touch_force` (F1, N).
+    /// Creates the estimator for a finger of `elements` elements, which are in contact above `touch_force` (F1, N).
     pub fn new(touch_force: f64, elements: usize) -> Self {
         let feeler = FeelerShape::default();
         Self {
@@ -135,8 +135,8 @@ impl NeededGrip {
         self.detector.set_stiffness(stiffness);
     }
 
-    /// Predicts the shear forces of a new frame. Returns the share of the fingertip's motion that the object may have
-    /// followed, 0 to 1, judged by this finger alone; 1 if the frame is not new.
+    /// Predicts the shear forces of a new frame. Returns the fraction (0 to 1) of the fingertip's motion that the
+    /// object may have followed, estimated from this finger alone; 1 if the frame is not new.
     pub fn predict_shear(&mut self, sense: &FingerReadings<'_>) -> f64 {
         let sequence = Some(sense.touch.frame.sequence);
         self.is_new = std::mem::replace(&mut self.newest, sequence) != sequence;
@@ -184,7 +184,7 @@ impl NeededGrip {
         }
     }
 
-    /// Updates the noise with the elements that do not touch.
+    /// Updates the variance of the noise from the elements that are not in contact.
     fn measure_noise(&mut self, forces: &[DVec3]) {
         let untouched = forces.iter().filter(|force| force.z < UNTOUCHED);
         let squares = untouched.map(|force| 0.5 * force.truncate().length_squared());
@@ -196,7 +196,7 @@ impl NeededGrip {
         }
     }
 
-    /// Speed away from the pivot (m/s) of a finger whose most pressed feeler yields by `depth` (m).
+    /// Radial speed away from the pivot (m/s) of a finger whose most pressed feeler is deformed by `depth` (m).
     pub fn speed(&self, depth: f64) -> f64 {
         let pulse = if self.friction.slips() && self.interval > 0.0 {
             PULSE / self.interval
@@ -208,7 +208,7 @@ impl NeededGrip {
         -inward.clamp(-OUTWARD_SPEED, INWARD_SPEED)
     }
 
-    /// Missing grasp force relative to the current one; 0 while the friction is unknown or no element touches.
+    /// Missing grasp force relative to the current one; 0 if the friction is unknown or no element is in contact.
     fn missing_grip(&self) -> f64 {
         let (Some(friction), true) = (self.friction.coefficient(), self.normal.force > 0.0) else {
             return 0.0;

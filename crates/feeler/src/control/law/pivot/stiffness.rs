@@ -3,32 +3,32 @@
 use crate::control::feeler_shape::Stiffness;
 use glam::{DMat3, DVec3};
 
-/// Minimum sum of squared motion that defines a slope (m²).
+/// Minimum sum of squared motion for computing a slope (m²).
 const MIN_MOTION: f64 = 1e-8;
-/// Ratio of shear to normal stiffness assumed if the closing motion has too little shear to measure it; typical of
+/// Ratio of shear to normal stiffness if the closing motion has too little shear to measure it; typical of
 /// incompressible rubber.
 const USUAL_RATIO: f64 = 0.5;
-/// Valid range of that ratio.
+/// Valid range of the ratio of shear to normal stiffness.
 const RATIO: (f64, f64) = (0.1, 1.0);
 
-/// Slopes of force over motion, pooled over all elements and closing motions.
+/// Fits the slope of force over motion, with data from all elements and closing motions.
 ///
-/// A feeler that sticks to an object at rest is a spring: its force changes in proportion to the motion of its
-/// undeformed tip. The offset differs between elements, as they touch at different times.
+/// A feeler that sticks to an object at rest acts as a spring: its force changes in proportion to the motion of its
+/// undeformed tip. The offset differs between elements, because they make contact at different times.
 #[derive(Debug, Clone)]
 pub(super) struct StiffnessFit {
     elements: Vec<Touched>,
-    /// Slopes of force over motion, normal and in shear, from all contacts that have ended.
+    /// Slopes of force over motion, normal and tangential, from all contacts that have ended.
     normal: Slope,
     shear: Slope,
 }
 
-/// The current contact of one element.
+/// Data of the current contact of one element.
 #[derive(Debug, Clone, Copy, Default)]
 struct Touched {
     /// Position of the undeformed tip at first contact (m, in W).
     first: DVec3,
-    /// Number of frames in contact, and the means of motion (m) and force (N) over them, in the element's frame.
+    /// Number of frames in contact, and mean motion (m) and force (N) over them, in the element's frame.
     frames: f64,
     motion: DVec3,
     force: DVec3,
@@ -36,7 +36,7 @@ struct Touched {
     shear: Slope,
 }
 
-/// Sums of a least-squares slope through centred data.
+/// Sums for a least-squares slope through centred data.
 #[derive(Debug, Clone, Copy, Default)]
 struct Slope {
     /// Sum of motion² (m²).
@@ -55,15 +55,15 @@ impl StiffnessFit {
         }
     }
 
-    /// Starts a closing motion, before which no element touches.
+    /// Starts a closing motion; no element is in contact.
     pub fn start(&mut self) {
         for element in 0..self.elements.len() {
             self.release(element);
         }
     }
 
-    /// Ends a contact of an element. The next contact has a separate offset, so that noise does not count as a
-    /// contact that lasted through all the motion after it.
+    /// Ends the contact of an element. The next contact gets a separate offset, so that a single noisy frame does not
+    /// count as a contact during all the motion after it.
     pub fn release(&mut self, element: usize) {
         if let Some(touched) = self.elements.get_mut(element)
             && touched.frames > 0.0
@@ -74,7 +74,7 @@ impl StiffnessFit {
         }
     }
 
-    /// Adds a frame of a touching element: its undeformed `tip` (m, in W), the `rotation` from its frame to W, and
+    /// Adds a frame of an element in contact: its undeformed `tip` (m, in W), the `rotation` from its frame to W, and
     /// the `force` on it (N, in its frame, positive in z when pressed).
     pub fn add(&mut self, element: usize, tip: DVec3, rotation: DMat3, force: DVec3) {
         let Some(touched) = self.elements.get_mut(element) else {
@@ -98,7 +98,7 @@ impl StiffnessFit {
         touched.shear.product -= force_off.truncate().dot(left.truncate());
     }
 
-    /// Stiffness from all closing motions so far; `None` before one was long enough.
+    /// Stiffness estimated from all closing motions so far; `None` if none of them was long enough.
     pub fn stiffness(&self) -> Option<Stiffness> {
         let (mut normal, mut shear) = (self.normal, self.shear);
         for touched in &self.elements {
@@ -120,7 +120,7 @@ impl Slope {
         self.product += other.product;
     }
 
-    /// Slope (N/m); `None` without enough motion, or if force does not rise with motion.
+    /// Slope (N/m); `None` if there was too little motion, or if force does not increase with motion.
     fn slope(self) -> Option<f64> {
         let slope = self.product / self.motion;
         (self.motion > MIN_MOTION && slope > 0.0).then_some(slope)

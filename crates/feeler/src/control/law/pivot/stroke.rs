@@ -1,31 +1,31 @@
-//! Record of one finger's MOVE, from which the radius and compliance of its next stroke are computed.
+//! Record of one finger's stroke (phase MOVE), from which the radius and compliance of its next stroke are computed.
 
 use crate::control::feeler_shape::Stiffness;
 
-/// Angle about the pivot that one sector of a stroke covers (rad).
+/// Angle about the pivot covered by one sector of a stroke (rad).
 const SECTOR: f64 = 0.0125;
-/// Number of sectors of a stroke; the last one also covers everything after it.
+/// Number of sectors of a stroke; the last one includes everything after it.
 const SECTORS: usize = 64;
-/// Minimum number of sectors of a stroke that is long enough to learn from.
+/// Minimum number of sectors for a stroke to be evaluated.
 const FEWEST_SECTORS: usize = 5;
-/// A finger below its target force advances by the missing force over the stiffness, divided by this factor: friction
-/// tilts feelers, so that force rises faster with depth than their stiffness predicts.
+/// Divisor of the inward correction of a finger below its target force (missing force divided by stiffness): friction
+/// tilts the feelers, so that force rises faster with depth than their stiffness predicts.
 const ADVANCE: f64 = 1.5;
-/// Tolerance of the grasp force: standard deviation relative to its mean.
+/// Tolerance of the grasp force: standard deviation divided by the mean.
 const GRIP_TOLERANCE: f64 = 0.15;
-/// Variation and deviation, relative to their tolerances, below which a stroke needs no more compliance.
+/// Force variation and path deviation, relative to their tolerances, below which no more compliance is needed.
 const GOOD_ENOUGH: f64 = 0.6;
-/// Step of the candidate radial compliances, relative to the compliance of one feeler.
+/// Step between candidate radial compliances, relative to the compliance of one feeler.
 const COMPLIANCE_STEP: f64 = 0.05;
-/// Number of steps.
+/// Number of steps between candidate radial compliances.
 const COMPLIANCE_STEPS: u32 = 10;
-/// Fixed-point iterations for the path of a compliant finger.
+/// Number of fixed-point iterations for the path of a compliant finger.
 const ITERATIONS: u32 = 8;
-/// Share of the samples at the start of a stroke, where forces still build up, that the variation leaves out.
+/// Fraction of the samples at the start of a stroke that is excluded from the variation, because forces still build up.
 const BUILD_UP: f64 = 0.2;
-/// Lower limit of forces that are used as divisors or references (N).
+/// Lower bound of forces that are used as divisors or references (N).
 const MIN_FORCE: f64 = 0.05;
-/// Tangential force on a fingertip, relative to its grasp force, above which the object resists.
+/// Tangential force on a fingertip, relative to its grasp force, above which the object counts as resisting.
 const RESISTS: f64 = 0.5;
 
 /// Means and maxima over one sector.
@@ -41,7 +41,7 @@ struct Sector {
     most_force: f64,
 }
 
-/// One control step of a MOVE.
+/// Data of one control step of a stroke.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     /// Angle swept about the pivot since MOVE began (rad).
@@ -52,11 +52,11 @@ pub(super) struct Sample {
     pub grip: f64,
     /// Largest element force (N).
     pub force: f64,
-    /// Tangential force on the fingertip against its motion (N).
+    /// Tangential force on the fingertip, opposing its motion (N).
     pub tangential: f64,
 }
 
-/// Radius and forces of one finger's MOVE, in sectors of the angle about the pivot.
+/// Radius and forces of one finger during a stroke, by sectors of the angle about the pivot.
 #[derive(Debug, Clone)]
 pub(super) struct StrokeRecord {
     sectors: [Sector; SECTORS],
@@ -68,19 +68,19 @@ pub(super) struct StrokeRecord {
 pub(super) struct StrokeParameters {
     /// Distance of the dome's centre from the pivot (m).
     pub radius: f64,
-    /// Expected mean of the grasp force (N).
+    /// Expected mean grasp force (N).
     pub mean_grip: f64,
-    /// Radial compliance (m/N): the finger yields by this times the excess of grasp force.
+    /// Radial compliance (m/N): the finger retreats by this value times the grasp force in excess of its mean.
     pub compliance: f64,
 }
 
-/// Prediction of a stroke with a given compliance.
+/// Predicted results of a stroke with a given compliance.
 #[derive(Debug, Clone, Copy)]
 struct Forecast {
     lesson: StrokeParameters,
     /// Standard deviation of the radius (m).
     path_deviation: f64,
-    /// Standard deviation of the grasp force relative to its mean.
+    /// Standard deviation of the grasp force divided by its mean.
     grip_variation: f64,
 }
 
@@ -110,7 +110,7 @@ impl StrokeRecord {
         self.resisted
     }
 
-    /// Parameters of the next stroke, learned from this one; `None` if this one was too short. The largest element
+    /// Computes the parameters of the next stroke from this one; `None` if this one was too short. The largest element
     /// force of the next stroke is expected to be `target` (N). `path_tolerance` (m) is the tolerated standard
     /// deviation of the radius.
     ///
@@ -139,8 +139,8 @@ impl StrokeRecord {
         Some(best.lesson)
     }
 
-    /// Predicts a stroke with a `compliance` (m/N) whose largest element force is `target` (N), modelling every
-    /// sector as a spring about its record.
+    /// Predicts the results of a stroke with a `compliance` (m/N) whose largest element force is `target` (N). Every
+    /// sector is modelled as a spring at its recorded radius and force.
     fn forecast(&self, target: f64, stiffness: Stiffness, compliance: f64) -> Forecast {
         let allowed = |sector: &Sector| {
             let excess = sector.most_force - target;
@@ -174,7 +174,7 @@ impl StrokeRecord {
         }
     }
 
-    /// Mean and standard deviation of `value` over the samples after the build-up.
+    /// Mean and standard deviation of `value` over the samples after the initial build-up of forces.
     fn moments(&self, value: impl Fn(&Sector) -> f64) -> (f64, f64) {
         let all: f64 = self.sectors().map(|sector| sector.samples).sum();
         let (mut passed, mut samples, mut sum, mut square) = (0.0, 0.0, 0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Policy files: safetensors whose entire content is validated.
+//! Reads policy files (safetensors) and validates their entire content.
 
 use super::PolicyModel;
 use super::network::{Activation, LARGEST, Layer, Network};
@@ -10,19 +10,19 @@ use safetensors::tensor::{Dtype, Metadata, SafeTensorError};
 
 /// Value of `format` in the metadata.
 pub const FORMAT: &str = "feeler-policy-1";
-/// Maximum file size (bytes), above the size of the largest network.
+/// Maximum file size (bytes), larger than that of the largest valid network.
 pub const MAX_BYTES: usize = 40 << 20;
 /// Maximum number of layers.
 const MAX_LAYERS: usize = 8;
 /// Maximum number of outputs of a layer.
 const MAX_WIDTH: usize = 1024;
-/// Number of joints of a finger, if the metadata have no entry `joints`.
+/// Number of joints of a finger if the metadata has no entry `joints`.
 const USUAL_JOINTS: usize = 3;
-/// Components of a velocity.
+/// Number of network outputs: the components of a velocity.
 const OUTPUTS: usize = 3;
-/// Minimum scale of an input.
+/// Minimum value of the scale of an input.
 const SMALLEST_SCALE: f32 = 1e-6;
-/// Maximum speed that a network may add to the plan's (m/s).
+/// Maximum speed that a network may add to the planned velocity (m/s).
 const MAX_RESIDUAL_SPEED: f64 = 1.0;
 /// Valid keys of the metadata.
 const KEYS: [&str; 6] = [
@@ -56,7 +56,7 @@ pub enum PolicyError {
         key: String,
         /// Description of the valid values.
         expected: String,
-        /// The value found.
+        /// Value found.
         actual: String,
     },
     /// A tensor is missing, unknown or invalid.
@@ -66,7 +66,7 @@ pub enum PolicyError {
         name: String,
         /// Description of the valid tensor.
         expected: String,
-        /// The tensor found.
+        /// Description of the tensor found.
         actual: String,
     },
 }
@@ -114,7 +114,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<PolicyModel, PolicyError> {
     })
 }
 
-/// A file whose tensors are within its bounds.
+/// Header and data of a policy file.
 struct File<'a> {
     header: Metadata,
     data: &'a [u8],
@@ -129,7 +129,7 @@ impl<'a> File<'a> {
         Ok(Self { header, data })
     }
 
-    /// Rejects unknown metadata.
+    /// Rejects unknown metadata keys.
     fn check_keys(&self) -> Result<(), PolicyError> {
         let keys = self.header.metadata().iter().flatten().map(|(key, _)| key);
         match keys.filter(|key| !KEYS.contains(&key.as_str())).min() {
@@ -148,7 +148,7 @@ impl<'a> File<'a> {
         metadata.is_some_and(|metadata| metadata.contains_key(key))
     }
 
-    /// Parses an entry of the metadata by `parse`.
+    /// Parses an entry of the metadata with `parse`.
     fn parsed<T>(
         &self,
         key: &str,
@@ -200,7 +200,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// Number of outputs of a hidden layer, from the shape of its weights.
+    /// Number of outputs of a hidden layer, from the shape of the tensor `weights`.
     fn width(&self, weights: &str) -> Result<usize, PolicyError> {
         let shape = self.header.info(weights).map_or(&[][..], |t| &t.shape);
         let width = shape.first().copied().unwrap_or_default();
@@ -213,7 +213,7 @@ impl<'a> File<'a> {
         good.then_some(width).ok_or_else(wrong)
     }
 
-    /// Returns the numbers of a tensor of this shape. Each must be from `least` to [`LARGEST`].
+    /// Returns the values of a tensor with this shape. Each must be between `least` and [`LARGEST`].
     fn numbers(&self, name: &str, shape: &[usize], least: f32) -> Result<Vec<f32>, PolicyError> {
         let wrong = |expected: String, actual: String| PolicyError::Tensor {
             name: name.to_string(),

@@ -3,11 +3,11 @@
 use super::tanh::tanh;
 use multiversion::multiversion;
 
-/// Number of outputs of a layer that are accumulated together: as many as wide registers hold while all inputs are
-/// processed.
+/// Number of outputs of a layer that are accumulated together: as many as fit into vector registers while all inputs
+/// are processed.
 const LANES: usize = 32;
 
-/// Values of as many neurons.
+/// Values of [`LANES`] neurons.
 type Block = [f32; LANES];
 
 /// Maximum magnitude of all numbers in a network file and of all values between two layers, so that no sum overflows.
@@ -18,7 +18,7 @@ pub(super) const LARGEST: f32 = 1e6;
 pub(super) enum Activation {
     /// The hyperbolic tangent.
     Tanh,
-    /// The positive part, at most 1e6.
+    /// Positive part (rectified linear unit), at most 1e6.
     Relu,
 }
 
@@ -26,7 +26,7 @@ pub(super) enum Activation {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Layer {
     inputs: usize,
-    /// One row per input for each block of outputs; zero beyond the last output.
+    /// Weights: for each block of outputs, one row per input. Zero beyond the last output.
     weights: Vec<Block>,
     biases: Vec<Block>,
 }
@@ -54,7 +54,7 @@ impl Layer {
 /// Input normalisation and layers.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Network {
-    /// Subtracted from each input.
+    /// Mean subtracted from each input.
     pub mean: Vec<f32>,
     /// Divisor of each input after subtracting the mean.
     pub scale: Vec<f32>,
@@ -62,7 +62,7 @@ pub(super) struct Network {
     pub layers: Vec<Layer>,
 }
 
-/// Buffers for evaluating a network.
+/// Preallocated buffers for evaluating a network.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
     inputs: Vec<f32>,
@@ -71,7 +71,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// The inputs of the next evaluation, as many as there are means.
+    /// Inputs of the next evaluation; their number is that of the means.
     pub fn inputs_mut(&mut self) -> &mut [f32] {
         &mut self.inputs
     }
@@ -117,8 +117,8 @@ fn normalise(values: &mut [f32], mean: &[f32], scale: &[f32]) {
     }
 }
 
-/// Computes `outputs = weights inputs + biases` with the widest instructions of the processor. Products are rounded
-/// and then summed in the order of the inputs, so that all instruction sets give the same result.
+/// Computes `outputs = weights inputs + biases` with the widest vector instructions of the processor. Products are
+/// rounded and then summed in the order of the inputs, so that all instruction sets give the same result.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2"))]
 fn forward(weights: &[Block], biases: &[Block], inputs: &[f32], outputs: &mut [Block]) {
     let blocks = weights.chunks_exact(inputs.len()).zip(biases);

@@ -1,5 +1,4 @@
-//! Vectorisable hyperbolic tangent in single precision, bit-identical on every machine, which no C library
-//! guarantees.
+//! Vectorisable hyperbolic tangent in single precision, bit-identical on every machine, unlike those of C libraries.
 
 /// Argument at which the approximation reaches 1.
 const SATURATED: f32 = 7.905_311;
@@ -18,8 +17,8 @@ const NUMERATOR: [f32; 7] = [
 /// Coefficients of 1, x², x⁴, x⁶ in the denominator.
 const DENOMINATOR: [f32; 4] = [4.893_525e-3, 2.268_434_6e-3, 1.185_347_1e-4, 1.198_258_4e-6];
 
-/// tanh(x) with a relative error of at most 4e-7, always within -1..1. It is the rational minimax approximation of
-/// Eigen and XLA, which JAX and TensorFlow also use.
+/// Computes tanh(x) with a relative error of at most 4e-7, always within -1..1. Uses the rational minimax approximation
+/// of Eigen and XLA, which is also used by JAX and TensorFlow.
 #[inline]
 pub(super) fn tanh(x: f32) -> f32 {
     let x = x.clamp(-SATURATED, SATURATED);
@@ -27,7 +26,7 @@ pub(super) fn tanh(x: f32) -> f32 {
     x * polynomial(&NUMERATOR, square) / polynomial(&DENOMINATOR, square)
 }
 
-/// `coefficients[0] + coefficients[1] x + …`
+/// Evaluates `coefficients[0] + coefficients[1] x + …`.
 #[inline(always)]
 fn polynomial(coefficients: &[f32], x: f32) -> f32 {
     let highest_first = coefficients.iter().rev();

@@ -14,26 +14,26 @@ pub struct CarryConfig {
     /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
+    /// Maximum travel from home without contact (m). If a finger exceeds it, the hand is stopped.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
-    /// Minimum pressing force of a finger (N), with which the fingers take hold of the object.
+    /// Minimum pressing force of a finger (N), with which the fingers grasp the object.
     pub grip_force: f64,
-    /// Maximum pressing force of a finger (N). More would crush the object.
+    /// Maximum pressing force of a finger (N), above which the object would be crushed.
     pub crush_force: f64,
-    /// Pressing force relative to the minimum that holds the object.
+    /// Ratio of the pressing force to the minimum that holds the object.
     #[serde(default = "default::margin")]
     pub margin: f64,
-    /// Initial estimate of the friction coefficient, until a slip shows a lower one.
+    /// Initial estimate of the friction coefficient, used until a slip indicates a lower one.
     #[serde(default = "default::friction")]
     pub friction: f64,
-    /// Force above which an element counts as touching (N).
+    /// Force above which an element is in contact (N).
     #[serde(default = "default::touch_force")]
     pub touch_force: f64,
     /// Shear rate above which an element counts as moving relative to the object (N/s).
     #[serde(default = "default::slip_threshold")]
     pub slip_threshold: f64,
-    /// Pressing speed per missing force, m/(s·N).
+    /// Pressing speed per missing force (m/(s·N)).
     #[serde(default = "default::force_gain")]
     pub force_gain: f64,
     /// Maximum pressing speed (m/s).
@@ -42,14 +42,14 @@ pub struct CarryConfig {
     /// Speed along the path (m/s).
     #[serde(default = "default::carry_speed")]
     pub carry_speed: f64,
-    /// Speed of correction per position error of the object (1/s).
+    /// Correction speed per position error of the object (1/s).
     #[serde(default = "default::place_gain")]
     pub place_gain: f64,
-    /// Duration without touch of a finger after which the object counts as lost (s).
+    /// Duration without contact of a finger after which the object counts as lost (s).
     #[serde(default = "default::lost_time")]
     pub lost_time: f64,
-    /// Distance by which the fingers may close further than at the first grasp (m). Beyond it, the object counts as
-    /// lost.
+    /// Maximum distance by which the fingers may close further than at the first grasp (m). Beyond it, the object
+    /// counts as lost.
     #[serde(default = "default::give")]
     pub give: f64,
     /// Speed of release and return (m/s).
@@ -62,7 +62,7 @@ pub struct CarryConfig {
     pub waypoint: Vec<Waypoint>,
     /// Start position and approach of each finger.
     pub finger: Vec<CarryFinger>,
-    /// Properties of the fingertips' feelers.
+    /// Mechanical properties of the feelers (rubber columns of the sensing elements).
     #[serde(default)]
     pub feeler: FeelerShape,
 }
@@ -90,7 +90,7 @@ defaults! {
 pub struct Waypoint {
     /// Displacement from the position at which the object was grasped (m, in W).
     pub to: [f64; 3],
-    /// Time for which the object is held there (s).
+    /// Duration for which the object is held at the waypoint (s).
     #[serde(default)]
     pub hold: f64,
 }
@@ -106,7 +106,7 @@ pub struct CarryFinger {
 }
 
 impl CarryConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let positive = [
             ("search_speed", self.search_speed),

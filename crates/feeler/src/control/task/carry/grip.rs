@@ -1,7 +1,7 @@
-//! Grip force from the load of the object and the friction that the last slip showed.
+//! Computes the grip force from the load of the object and the friction estimated at the last slip.
 
-/// Share of the load that is forgotten in each control step. While the object slips, the shear is limited by friction
-/// and does not show the load.
+/// Relative decay of the estimated load per control step. The estimate decays slowly because the shear of a slipping
+/// object is limited by friction and does not indicate the load.
 const FORGETTING: f64 = 0.01;
 /// Lower bound of the friction estimate.
 const MIN_FRICTION: f64 = 0.05;
@@ -11,7 +11,7 @@ const MIN_FRICTION: f64 = 0.05;
 pub struct Grip {
     /// Estimated friction coefficient.
     friction: f64,
-    /// Pressing force relative to the minimum that holds the object.
+    /// Ratio of the pressing force to the minimum that holds the object.
     margin: f64,
     /// Minimum and maximum pressing force of a finger (N).
     least: f64,
@@ -22,8 +22,8 @@ pub struct Grip {
 }
 
 impl Grip {
-    /// Creates a grip of `least` to `most` newtons per finger, `margin` times the minimum that holds the object at
-    /// `friction`.
+    /// Creates a controller with a pressing force of `least` to `most` (N) per finger, `margin` times the minimum that
+    /// holds the object at the friction coefficient `friction`.
     pub fn new(friction: f64, margin: f64, least: f64, most: f64) -> Self {
         Self {
             friction,
@@ -44,7 +44,7 @@ impl Grip {
     /// shear rate of an element indicates a slip.
     ///
     /// A slip is detected if `changes` is set while the total shear falls, because loading raises the shear. The
-    /// remaining shear shows the friction.
+    /// friction is then estimated from the remaining shear.
     pub fn feel(&mut self, shear: f64, pressing: f64, changes: bool) {
         if changes && shear < self.shear && pressing > 0.0 {
             self.friction = self.friction.min(shear / pressing).max(MIN_FRICTION);

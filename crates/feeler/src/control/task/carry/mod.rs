@@ -1,4 +1,4 @@
-//! The carry task: one or more fingers grasp an object, move it along a path by touch, and release it.
+//! The carry task: one or more fingers grasp an object, move it along a path using tactile feedback, and release it.
 //!
 //! A single finger presses on the object from above and slides it over a table; several fingers grasp it and may lift
 //! it. The grip follows the load and slip ([`grip`]). The object's position is estimated from the tips that stick to
@@ -25,19 +25,19 @@ use grip::Grip;
 use odometry::Odometry;
 use way::Way;
 
-/// State of one finger.
+/// State of one finger that holds the object.
 #[derive(Debug, Clone, Copy, Default)]
 struct Holder {
     home: DVec3,
     approach: DVec3,
-    /// Positions at which it grasped and released the object (m, in W).
+    /// Positions at which the finger grasped and released the object (m, in W).
     took: DVec3,
     let_go: DVec3,
-    /// Magnitude of the force on the finger, its component across the approach, and the pressing force (N).
+    /// Magnitude of the force on the finger, its component across the approach direction, and the pressing force (N).
     force: f64,
     shear: f64,
     pressing: f64,
-    /// Time of the last touch (s).
+    /// Time of the latest contact (s).
     touched: f64,
 }
 
@@ -156,8 +156,8 @@ impl Carry {
         }
     }
 
-    /// Mean distance by which the fingers are closer than when they grasped the object (m): the yield of the rubber,
-    /// or more if the object is gone.
+    /// Mean distance by which the fingers are closer together than when they grasped the object (m): the deformation of
+    /// the rubber, or more if the object is lost.
     fn sunk(&self, hand: &HandReadings<'_>) -> f64 {
         let moved = self.odometry.moved;
         let holders = self.holders.iter().zip(hand.poses);
@@ -287,15 +287,16 @@ impl Task for Carry {
     }
 }
 
-/// Share of the crushing force that the grip may reach. The sum of the elements' compressions exceeds their
-/// resultant, and force control is never exact.
+/// Fraction of the crushing force up to which the grip force may rise. The sum of the elements' compressions exceeds
+/// their resultant, and force control is not exact.
 const RESERVE: f64 = 0.85;
 
-/// Share of the requested grip that each finger must have before the object is moved.
+/// Minimum fraction of the requested grip force on each finger for the object to be moved.
 const FIRM: f64 = 0.8;
 
-/// Multiple of the crushing force at which the object counts as blocked: it rests on another object or is caught.
+/// Force on a finger, as a multiple of the crushing force, above which the object counts as blocked: it rests on
+/// another object or is caught.
 const BLOCKED: f64 = 1.5;
 
-/// Distance by which a finger leaves the object before it returns (m).
+/// Distance by which a finger retracts from the object before it returns (m).
 const CLEARANCE: f64 = 0.004;

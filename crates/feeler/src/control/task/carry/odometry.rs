@@ -1,4 +1,4 @@
-//! Odometry of a held object from touch: feelers that stick move with it.
+//! Odometry of a held object: its motion is that of the feelers that stick to it.
 
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandReadings;
@@ -12,7 +12,7 @@ const ALONE: f64 = 1e-12;
 /// Estimates the motion of the held object by accumulating the motion of the tips that stick to it.
 #[derive(Debug, Clone)]
 pub struct Odometry {
-    /// Position of each tip in the previous step (m, in W), or `None` if it did not touch.
+    /// Position of each feeler tip in the previous step (m, in W); `None` if it was not in contact.
     tips: Box<[[Option<DVec3>; MAX_ELEMENTS]; MAX_FINGERS]>,
     /// Displacement of the object (m, in W).
     pub moved: DVec3,
@@ -20,14 +20,14 @@ pub struct Odometry {
     pub turned: f64,
 }
 
-/// Sums over the tips that have stuck since the last step, weighted by their forces.
+/// Sums over the tips that stuck during the last step, weighted by their forces.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     weight: f64,
     /// Weighted sums of the tips' positions and displacements (m).
     tips: DVec3,
     moved: DVec3,
-    /// Weighted sums about W's z: lever times motion, and squared lever (m²).
+    /// Weighted sums for the rotation about W's z: lever arm times motion, and squared lever arm (m²).
     turning: f64,
     inertia: f64,
 }
@@ -42,13 +42,13 @@ impl Odometry {
         }
     }
 
-    /// Resets the accumulated motion of the object to zero.
+    /// Resets the estimated motion of the object to zero.
     pub fn reset(&mut self) {
         (self.moved, self.turned) = (DVec3::ZERO, 0.0);
     }
 
-    /// Updates the motion with the readings of `hand`. Elements with a force above `touch_force` (N) touch; those
-    /// whose shear rate is at most `slip_threshold` (N/s) stick.
+    /// Updates the motion with the readings of `hand`. Elements with a force above `touch_force` (N) are in contact;
+    /// those with a shear rate of at most `slip_threshold` (N/s) stick.
     pub fn follow(
         &mut self,
         hand: &HandReadings<'_>,
@@ -88,7 +88,7 @@ impl Sums {
         self.inertia += weight * lever.length_squared();
     }
 
-    /// Mean displacement of the tips (m), and rotation about their centre (rad).
+    /// Mean displacement of the tips (m), and rotation about their centroid (rad).
     fn motion(&self) -> (DVec3, f64) {
         if self.weight <= 0.0 {
             return (DVec3::ZERO, 0.0);

@@ -1,9 +1,9 @@
-//! Path of a carried object: from waypoint to waypoint at constant speed, with a stop at each.
+//! Path of a carried object: from waypoint to waypoint at constant speed, with a stop at each waypoint.
 
 use super::config::Waypoint;
 use glam::DVec3;
 
-/// Target position of an object along its path.
+/// Reference position of an object that moves along a path.
 #[derive(Debug, Clone)]
 pub struct Way {
     waypoints: Vec<Waypoint>,
@@ -12,9 +12,9 @@ pub struct Way {
     /// Index of the next waypoint, and the time of arrival there (s).
     next: usize,
     arrived: Option<f64>,
-    /// Target position relative to the grasp position (m, in W).
+    /// Reference position relative to the grasp position (m, in W).
     pub wanted: DVec3,
-    /// Target velocity (m/s).
+    /// Reference velocity (m/s, in W).
     pub pace: DVec3,
 }
 
@@ -31,8 +31,8 @@ impl Way {
         }
     }
 
-    /// Advances by `elapsed` seconds to the time `stamp`, or waits unless `ready`. Returns `true` at the end of the
-    /// path.
+    /// Advances the reference position by `elapsed` seconds to the time `stamp`; waits unless `ready`. Returns `true`
+    /// at the end of the path.
     pub fn go_on(&mut self, stamp: f64, elapsed: f64, ready: bool) -> bool {
         let Some(waypoint) = self.waypoints.get(self.next) else {
             return true;

@@ -15,37 +15,37 @@ pub struct ContourConfig {
     /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
+    /// Maximum travel from home without contact (m). If the finger exceeds it, the hand is stopped.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
     /// Speed along the surface (m/s).
     #[serde(default = "default::follow_speed")]
     pub follow_speed: f64,
-    /// Horizontal contact force (N).
+    /// Horizontal contact force to be maintained (N).
     #[serde(default = "default::contact_force")]
     pub contact_force: f64,
-    /// Force above which an element counts as touching (N).
+    /// Force above which an element is in contact (N).
     #[serde(default = "default::touch_force")]
     pub touch_force: f64,
-    /// Pressing speed per missing force, m/(s·N).
+    /// Pressing speed per missing force (m/(s·N)).
     #[serde(default = "default::force_gain")]
     pub force_gain: f64,
-    /// Maximum speed of pressing or yielding (m/s).
+    /// Maximum speed of pressing or retreating (m/s).
     #[serde(default = "default::press_speed")]
     pub press_speed: f64,
-    /// Learning rate of the friction angle per force error, rad/(s·N).
+    /// Adaptation rate of the friction angle per force error (rad/(s·N)).
     #[serde(default = "default::friction_gain")]
     pub friction_gain: f64,
-    /// Maximum distance from the first point at which the outline counts as closed (m).
+    /// Maximum distance from the first point for the outline to count as closed (m).
     #[serde(default = "default::closing_distance")]
     pub closing_distance: f64,
-    /// Duration without touch after which the finger gives up (s).
+    /// Duration without contact after which the task fails (s).
     #[serde(default = "default::lost_time")]
     pub lost_time: f64,
-    /// Maximum duration of following the surface, after which the finger gives up (s).
+    /// Maximum duration of following the surface (s); then the task fails.
     #[serde(default = "default::follow_limit")]
     pub follow_limit: f64,
-    /// Distance by which the finger leaves the object before it returns (m).
+    /// Distance by which the finger retracts from the object before it returns (m).
     #[serde(default = "default::clearance")]
     pub clearance: f64,
     /// Speed of release and return (m/s).
@@ -54,7 +54,7 @@ pub struct ContourConfig {
     /// Maximum distance from home at which the finger counts as home (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
-    /// Properties of the fingertip's feelers.
+    /// Mechanical properties of the feelers (rubber columns of the sensing elements).
     #[serde(default)]
     pub feeler: FeelerShape,
 }
@@ -77,7 +77,7 @@ defaults! {
 }
 
 impl ContourConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.vector(&format!("{key}.home"), self.home);
         let [x, y, _] = self.approach;

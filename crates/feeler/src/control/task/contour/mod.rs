@@ -1,8 +1,9 @@
-//! The contour task: one finger moves once around an unknown upright object and traces its outline by touch alone.
+//! The contour task: one finger moves once around an unknown upright object and traces its outline using only tactile
+//! feedback.
 //!
-//! The finger keeps its height and contact force and moves along the surface, which is on its left. The force shows
-//! the direction of the surface: the sum of normal force and friction is tilted back from the surface normal by the
-//! friction angle, which is learnt along the way.
+//! The finger keeps its height and contact force and moves along the surface, which is on its left. The direction of
+//! the surface is estimated from the force: the sum of normal force and friction is tilted back from the surface normal
+//! by the friction angle, which is estimated along the way.
 
 mod config;
 mod outline;
@@ -25,8 +26,8 @@ use std::f64::consts::TAU;
 /// Maximum friction angle (rad), for a coefficient of 3.
 const MAX_LEAN: f64 = 1.25;
 
-/// Minimum rotation of the normal for a closed outline (rad). It is less than a full turn because the finger may
-/// start at a corner, or before it knows the friction.
+/// Minimum rotation of the normal for a closed outline (rad). It is less than a full turn because the finger may start
+/// at a corner, or before the friction is known.
 const MAX_OF_A_TURN: f64 = 0.75 * TAU;
 
 /// State machine of the task.
@@ -38,9 +39,9 @@ pub struct Contour {
     phase: Phase,
     /// Outward normal of the surface, a horizontal unit vector in W.
     normal: DVec2,
-    /// Angle between the force and the normal (rad): the friction angle.
+    /// Estimated friction angle: angle between the force and the normal (rad).
     lean: f64,
-    /// Force along the normal (N); 0 without touch.
+    /// Force along the normal (N); 0 without contact.
     force: f64,
     /// Time at which the finger began to follow the outline (s).
     began: f64,
@@ -48,7 +49,7 @@ pub struct Contour {
     touched: f64,
     /// Time of the previous step (s).
     previous: f64,
-    /// Position at which it released the object (m, in W).
+    /// Position at which the finger released the object (m, in W).
     release_start: DVec3,
     outline: Outline,
     findings: [Finding; 6],
@@ -108,9 +109,9 @@ impl Contour {
         }
     }
 
-    /// Velocity along the surface plus force control (m/s, in W).
+    /// Velocity along the surface, with force control (m/s, in W).
     ///
-    /// If the force is low, as at a corner, the finger first presses and then moves on.
+    /// If the force is low, as at a corner, the finger presses first and moves along the surface afterwards.
     fn along_surface(&self) -> DVec3 {
         let config = &self.config;
         let excess = self.force - config.contact_force;
@@ -248,7 +249,7 @@ impl Task for Contour {
     }
 }
 
-/// Velocity that keeps a finger at the height of its home (m/s).
+/// Velocity that keeps a finger at the height of its home position (m/s).
 fn keep_height(home: DVec3, position: DVec3, config: &ContourConfig) -> DVec3 {
     let level = home.with_x(position.x).with_y(position.y);
     homeward(level - position, config.follow_speed)

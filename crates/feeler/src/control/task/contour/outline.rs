@@ -1,9 +1,9 @@
-//! Extent and closure of an outline that grows point by point.
+//! Size and closure of an outline that is traced point by point.
 
 use crate::math::angle_to;
 use glam::DVec2;
 
-/// Summary of an outline; the points themselves are not stored.
+/// Summary of a traced outline; the points themselves are not stored.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outline {
     first: Option<DVec2>,
@@ -39,7 +39,7 @@ impl Outline {
         (self.last, self.normal) = (point, normal);
     }
 
-    /// Extent along W's x and y (m).
+    /// Extent of the outline along x and y of W (m).
     pub fn size(&self) -> DVec2 {
         self.highest - self.lowest
     }

@@ -1,6 +1,6 @@
-//! Running mean and variance of angles.
+//! Running statistics of angles.
 
-/// Running statistics of angles.
+/// Running mean and variance of angles.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct AngleSum {
     count: u64,
@@ -10,7 +10,7 @@ pub struct AngleSum {
 }
 
 impl AngleSum {
-    /// Adds an angle, using Welford's recurrence, which is numerically stable.
+    /// Adds an angle (rad), using Welford's recurrence, which is numerically stable.
     pub fn add(&mut self, angle: f64) {
         self.count += 1;
         let from_mean = angle - self.mean;
@@ -18,17 +18,17 @@ impl AngleSum {
         self.squares += from_mean * (angle - self.mean);
     }
 
-    /// Number of angles.
+    /// Number of angles added.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Mean (rad), or `None` without angles.
+    /// Mean (rad); `None` without angles.
     pub fn mean(&self) -> Option<f64> {
         (self.count > 0).then_some(self.mean)
     }
 
-    /// Variance (rad²), or `None` with fewer than two angles.
+    /// Variance (rad²); `None` for fewer than two angles.
     pub fn variance(&self) -> Option<f64> {
         (self.count > 1).then(|| self.squares / (self.count - 1) as f64)
     }

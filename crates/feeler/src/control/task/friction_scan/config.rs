@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// Minimum angle between sliding and pressing direction (degrees).
 const MIN_SLIDE: f64 = 5.0;
-/// Minimum settling time in control periods; the noise is measured in half of them.
+/// Minimum settling time in control periods. The noise is measured in half of them.
 const MIN_PERIODS_AT_REST: f64 = 20.0;
 
 defaults! {
@@ -30,20 +30,21 @@ defaults! {
 pub struct FrictionScanConfig {
     /// Start position of the dome's centre (m, in W).
     pub home: [f64; 3],
-    /// Pressing direction (in W); its length does not matter. The specimen need not face it exactly.
+    /// Pressing direction (in W); its length does not matter. It need not be exactly perpendicular to the specimen.
     pub approach: [f64; 3],
-    /// First sliding direction (in W). Only its component across the approach counts, and its length does not matter.
+    /// First sliding direction (in W). Only its component perpendicular to the approach counts, and its length does not
+    /// matter.
     pub slide: [f64; 3],
     /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
+    /// Maximum travel from home without contact (m). If the finger exceeds it, the hand is stopped.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
     /// Pressing force (N).
     #[serde(default = "default::load")]
     pub load: f64,
-    /// Pressing speed per missing force, m/(s·N).
+    /// Pressing speed per missing force (m/(s·N)).
     #[serde(default = "default::load_gain")]
     pub load_gain: f64,
     /// Duration of pressing before sliding (s). The noise of the forces is measured in its second half.
@@ -55,10 +56,10 @@ pub struct FrictionScanConfig {
     /// Sliding distance of a stroke after the first slip (m).
     #[serde(default = "default::travel")]
     pub travel: f64,
-    /// Maximum length of a stroke without a slip (m). A stroke that exceeds it ends the task.
+    /// Maximum length of a stroke without a slip (m). If a stroke exceeds it, the task ends.
     #[serde(default = "default::slide_limit")]
     pub slide_limit: f64,
-    /// Number of strokes, alternating back and forth, at least 3; the first one does not count.
+    /// Number of strokes, alternating back and forth, at least 3; the first one is not evaluated.
     #[serde(default = "default::strokes")]
     pub strokes: u32,
     /// Speed of release and return (m/s).
@@ -70,7 +71,7 @@ pub struct FrictionScanConfig {
 }
 
 impl FrictionScanConfig {
-    /// Requires every value of the table `key` to be in its range, for a control period of `period` seconds.
+    /// Checks that every value of the table `key` is in its range, for a control period of `period` seconds.
     /// `thresholds` defines F1 and F2.
     pub fn check(
         &self,

@@ -1,9 +1,9 @@
 //! The friction scan: one finger presses on a flat specimen, slides back and forth, and measures both friction
 //! coefficients from tri-axial forces alone (first task of the paper's earlier study).
 //!
-//! The specimen may be tilted. In the plane of pressing and sliding, the tilt cancels out between both directions
-//! (see [`stick_slip`]). A tilt `b` across that plane makes the coefficients too large by `1 / cos b`, 0.4 % at 5
-//! degrees.
+//! The specimen may be tilted. A tilt in the plane of pressing and sliding cancels out between both directions (see
+//! [`stick_slip`]). A tilt `b` perpendicular to that plane increases the coefficients by the factor `1 / cos b`, by 0.4
+//! % at 5 degrees.
 
 mod angle_sum;
 mod config;
@@ -22,13 +22,13 @@ use angle_sum::AngleSum;
 use glam::DVec3;
 use stick_slip::{FrictionEstimate, Slips, StickSlip};
 
-/// Compression below which an element does not count towards the load (N), because the errors of many untouched
-/// elements would add up.
+/// Compression below which an element is excluded from the load (N), because the errors of many elements without
+/// contact would add up.
 const TOUCHING: f64 = 0.05;
-/// Maximum friction coefficient of rubber. If an element still sticks beyond it, something else holds the element,
-/// and the scan ends to protect it.
+/// Maximum friction coefficient of rubber. If an element still sticks beyond it, something else holds the element, and
+/// the scan ends to protect it.
 const GREATEST_FRICTION: f64 = 3.0;
-/// Number of frames at rest that determines the noise to about a fifth.
+/// Minimum number of frames at rest, for an error of the noise of about a fifth.
 const FRAMES_AT_REST: u64 = 10;
 
 /// State machine of the task.
@@ -36,25 +36,25 @@ const FRAMES_AT_REST: u64 = 10;
 pub struct FrictionScan {
     config: FrictionScanConfig,
     home: DVec3,
-    /// Orthogonal unit vectors in W.
+    /// Pressing and sliding direction, orthogonal unit vectors in W.
     approach: DVec3,
     slide: DVec3,
     phase: Phase,
     stroke: u32,
-    /// Time at which the finger began to settle (s), or `None` before and after.
+    /// Time at which the finger began to settle (s); `None` if it is not settling.
     settling_since: Option<f64>,
-    /// The element that is evaluated in this stroke: the one with the largest F_z at its start.
+    /// Index of the element that is evaluated in this stroke: the one with the largest F_z at its start.
     element: usize,
     /// Sequence number of the latest evaluated frame.
     sequence: Option<u64>,
-    /// Statistics of the angle at rest.
+    /// Statistics of the force angle at rest.
     rest: AngleSum,
     stick_slip: StickSlip,
     /// Position at which the stroke began (m, in W).
     stroke_start: DVec3,
     /// Distance covered in this stroke before its first slip (m).
     first_slip: Option<f64>,
-    /// Statistics of the angle for strokes back and forth.
+    /// Statistics of the force angle for strokes in either direction.
     slips: [Slips; 2],
     findings: [Finding; 4],
     outcome: Option<&'static str>,
@@ -86,7 +86,7 @@ impl FrictionScan {
         }
     }
 
-    /// Direction of this stroke, a unit vector in W.
+    /// Sliding direction of this stroke, a unit vector in W.
     fn way(&self) -> DVec3 {
         match self.stroke % 2 {
             1 => self.slide,
@@ -102,7 +102,8 @@ impl FrictionScan {
         -on_finger.dot(self.approach)
     }
 
-    /// Force angle of the evaluated element (rad), or `None` if there is no new frame or the element does not touch.
+    /// Angle between the force on the evaluated element and the pressing direction (rad); `None` if there is no new
+    /// frame or the element is not in contact.
     fn new_angle(&mut self, finger: &FingerReadings<'_>) -> Option<f64> {
         let frame = &finger.touch.frame;
         if self.sequence.replace(frame.sequence) == Some(frame.sequence) {
@@ -118,7 +119,7 @@ impl FrictionScan {
         self.rest.variance().unwrap_or_default()
     }
 
-    /// Holds still and measures the noise once the drives have come to rest.
+    /// Holds the position, and measures the noise of the force angle once the drives have come to rest.
     fn settle(&mut self, finger: &FingerReadings<'_>, settling_for: f64) {
         let angle = self.new_angle(finger);
         if let Some(angle) = angle.filter(|_| settling_for >= 0.5 * self.config.settle_time) {
@@ -188,7 +189,7 @@ impl FrictionScan {
         self.phase = Phase::Release;
     }
 
-    /// Velocity of sliding plus force control.
+    /// Velocity for sliding, with force control (m/s, in W).
     fn sliding_velocity(&self, finger: &FingerReadings<'_>) -> DVec3 {
         let config = &self.config;
         let fastest = match finger.flags().over {

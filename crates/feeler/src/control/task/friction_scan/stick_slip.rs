@@ -2,34 +2,34 @@
 //!
 //! The angle is measured between the force on the feeler and the pressing direction, in the plane of pressing and
 //! sliding, positive in the direction of friction. It rises while the feeler sticks and falls when it slips. On a
-//! surface tilted by `t` in that plane it is `atan(mu) + t` one way and `atan(mu) - t` the other way, so half their
-//! sum is the friction angle, independent of the tilt.
+//! surface tilted by `t` in that plane it is `atan(mu) + t` in one direction and `atan(mu) - t` in the other, so half
+//! their sum is the friction angle, independent of the tilt.
 
 use super::angle_sum::AngleSum;
 
-/// Threshold of a fall in standard deviations of the noise: 5 standard deviations of the difference of two frames,
-/// which noise alone exceeds once in some millions of frames.
+/// Drop of the angle between two frames that counts as a slip, in standard deviations of the noise: 5 standard
+/// deviations of the difference of two frames, which noise alone exceeds once in some millions of frames.
 const FALL: f64 = 5.0 * std::f64::consts::SQRT_2;
-/// Threshold above which slips are evaluated individually, twice that of a fall: few are missed then, and noise does
-/// not bias the selection.
+/// Minimum mean drop of the angle for evaluating individual slips, in standard deviations of the noise, twice [`FALL`]:
+/// few slips are then missed, and noise does not bias the selection.
 const CLEAR: f64 = 2.0 * FALL;
-/// Number of frames without a new maximum angle after which a feeler counts as sliding.
+/// Number of frames without a new maximum of the angle after which a feeler counts as sliding.
 const NO_HIGHER: u32 = 20;
 
-/// Statistics of the angle while a finger slides one way, in one or more strokes.
+/// Statistics of the force angle while a finger slides in one direction, over one or more strokes.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Slips {
-    /// Angle at the last frame before each fall (rad).
+    /// Angle at the last frame before each slip (rad).
     before: AngleSum,
-    /// Angle at the first frame after each fall (rad).
+    /// Angle at the first frame after each slip (rad).
     after: AngleSum,
-    /// Rise of the angle per frame between falls (rad).
+    /// Increase of the angle per frame between slips (rad).
     rise: AngleSum,
     /// Angle at all frames since the feeler began to slide (rad).
     sliding: AngleSum,
 }
 
-/// Tracks the angle through one stroke.
+/// Detects slips from the force angle during one stroke.
 #[derive(Debug, Clone, Copy)]
 pub struct StickSlip {
     /// Variance of the angle at rest (rad²).
@@ -52,7 +52,7 @@ impl StickSlip {
         }
     }
 
-    /// Returns whether the feeler has slipped at least once.
+    /// Returns whether the feeler has started to slide.
     pub fn slides(&self) -> bool {
         self.slides
     }
@@ -80,7 +80,7 @@ impl StickSlip {
     }
 }
 
-/// Angle at which the feeler starts to slip, and the angle after the slip (rad).
+/// Angle at which the feeler starts to slip, and angle right after the slip (rad).
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Limits {
     highest: f64,
@@ -88,15 +88,15 @@ struct Limits {
 }
 
 impl Slips {
-    /// Number of falls of the angle that exceed its noise.
+    /// Number of slips: drops of the angle that exceed its noise.
     pub fn falls(&self) -> u64 {
         self.before.count()
     }
 
-    /// Both limits from the falls, if they clearly exceed noise of variance `noise` (rad²).
+    /// Computes both limits from the slips; `None` unless the drops clearly exceed noise of variance `noise` (rad²).
     ///
-    /// A fall happens at a random time between two frames, so on average the angle rises by half a frame's share
-    /// before it and by the other half after it.
+    /// A slip happens at a random time between two frames, so on average the angle rises by half of its increase per
+    /// frame before it and by the other half after it.
     fn limits_by_falls(&self, noise: f64) -> Option<Limits> {
         let half = 0.5 * self.rise.mean()?;
         let limits = Limits {
@@ -106,8 +106,8 @@ impl Slips {
         (limits.highest - limits.lowest > CLEAR * noise.sqrt()).then_some(limits)
     }
 
-    /// Both limits from the spread of the angle, which rises uniformly between them. If the element slides without
-    /// sticking, both are the mean.
+    /// Computes both limits from the spread of the angle, which rises uniformly between them. If the element slides
+    /// without sticking, both are the mean.
     fn limits_by_spread(&self, noise: f64) -> Option<Limits> {
         let mean = self.sliding.mean()?;
         let half = (3.0 * (self.sliding.variance()? - noise).max(0.0)).sqrt();
@@ -118,21 +118,21 @@ impl Slips {
     }
 }
 
-/// Friction and tilt of a surface, from sliding over it both ways.
+/// Friction coefficients and tilt of a surface, from sliding over it in both directions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionEstimate {
     /// Static friction coefficient.
     pub static_friction: f64,
     /// Kinetic friction coefficient.
     pub kinetic_friction: f64,
-    /// Tilt of the surface in the plane of pressing and sliding (rad), positive if it rises against a finger that
-    /// slides forward.
+    /// Tilt of the surface in the plane of pressing and sliding (rad), positive if it rises in the forward sliding
+    /// direction.
     pub tilt: f64,
 }
 
 impl FrictionEstimate {
     /// Estimates friction and tilt from the statistics of both directions, with noise of variance `noise` (rad²).
-    /// Returns `None` unless the feeler slid both ways.
+    /// Returns `None` unless the feeler slid in both directions.
     pub fn estimate(forward: &Slips, backward: &Slips, noise: f64) -> Option<Self> {
         let falls = forward
             .limits_by_falls(noise)

@@ -1,35 +1,36 @@
-//! Load of an object while it is carried: since when, and whether it still weighs on the fingers.
+//! Estimates the load of an object while it is carried: its start, its mean, and whether it has decreased.
 
 use crate::control::grasp_slip::part;
 use glam::DVec3;
 
 /// Time constant of the present load (s).
 const PRESENT: f64 = 0.02;
-/// Duration for which the shear changes by closing (s).
+/// Duration after closing during which the shear still changes (s).
 const SETTLING: f64 = 0.2;
 /// Time constant of the shear that remains from closing, before the object is lifted (s).
 const CLOSING: f64 = 0.3;
 /// Time constant of the mean load while the object is carried (s).
 const MEAN: f64 = 0.2;
 
-/// Mean load of a finger over time.
+/// Mean load on a finger over time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CarriedLoad {
-    /// Change of the shear that counts as a load (N).
+    /// Minimum change of the shear that counts as a load (N).
     threshold: f64,
-    /// Present load, and the shear that remains from closing (N, in W).
+    /// Present shear, and the shear that remains from closing (N, in W).
     present: DVec3,
     closing: DVec3,
     /// Mean load while the object is carried (N, in W).
     mean: DVec3,
-    /// Time of the first load (s), or `None` before.
+    /// Time at which the object was first loaded (s); `None` before.
     since: Option<f64>,
-    /// Time of the first update (s), or `None` before.
+    /// Time of the first update (s); `None` before.
     start: Option<f64>,
 }
 
 impl CarriedLoad {
-    /// Starts without a load. A change of the shear of a finger above `threshold` (N) is a load.
+    /// Creates the estimate without a load. A change of a finger's mean shear by more than `threshold` (N) counts as a
+    /// load.
     pub fn new(threshold: f64) -> Self {
         Self {
             threshold,
@@ -41,8 +42,8 @@ impl CarriedLoad {
         }
     }
 
-    /// Updates the load with the mean `shear` of the fingers (N, in W) at `stamp` (s), `interval` (s) after the previous
-    /// one.
+    /// Updates the estimate with the mean `shear` of the fingers (N, in W) at time `stamp` (s), `interval` (s) after
+    /// the previous one.
     pub fn update(&mut self, shear: DVec3, stamp: f64, interval: f64) {
         let start = *self.start.get_or_insert(stamp);
         self.present += part(interval, PRESENT) * (shear - self.present);
@@ -60,17 +61,18 @@ impl CarriedLoad {
         }
     }
 
-    /// Returns `true` if the object has been carried for `duration` at `stamp` (both in s).
+    /// Returns `true` if the object has been carried for longer than `duration` (s) at time `stamp` (s).
     pub fn is_for(&self, duration: f64, stamp: f64) -> bool {
         self.since.is_some_and(|since| stamp - since > duration)
     }
 
-    /// Returns `true` if the load was carried and is now below a `share` of its mean.
+    /// Returns `true` if the object was carried and the present load is below the fraction `share` of its mean.
     pub fn is_below(&self, share: f64) -> bool {
         self.since.is_some() && self.present.dot(self.mean) < share * self.mean.length_squared()
     }
 
-    /// Returns `true` if the load was carried and now points the other way: the object is supported from below.
+    /// Returns `true` if the object was carried and the load has reversed its direction, because something supports the
+    /// object from below.
     pub fn is_supported(&self) -> bool {
         self.is_below(0.0)
     }

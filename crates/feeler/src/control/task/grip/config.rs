@@ -9,26 +9,26 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GripConfig {
-    /// Law of the grip force.
+    /// Law that determines the grip force.
     #[serde(default)]
     pub law: GripLaw,
-    /// Grip force with which the fingers take the object (N): pressing force of a finger.
+    /// Grip force with which the fingers grasp the object (N): pressing force of a finger.
     pub grip_force: f64,
-    /// Minimum grip force once the load has been felt (N).
+    /// Minimum grip force after the load has been detected (N).
     #[serde(default = "default::least_force")]
     pub least_force: f64,
-    /// Duration from the first load during which the grip force does not fall below `grip_force` (s).
+    /// Duration after the first load during which the grip force is at least `grip_force` (s).
     #[serde(default = "default::load_up_time")]
     pub load_up_time: f64,
     /// Maximum grip force (N) under all laws except `policy`.
     pub max_force: f64,
-    /// Force above which an element counts as touching (N).
+    /// Force above which an element is in contact (N).
     #[serde(default = "default::touch_force")]
     pub touch_force: f64,
-    /// Speed of each finger before touch (m/s).
+    /// Speed of each finger before contact (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
+    /// Maximum travel from home without contact (m). If a finger exceeds it, the hand is stopped.
     pub search_limit: f64,
     /// Bandwidth of the force control (1/s): closing speed times contact stiffness, per missing force. It should not
     /// exceed a third of the inverse delay from force to motion.
@@ -40,16 +40,16 @@ pub struct GripConfig {
     /// Initial estimate of the contact stiffness (N/m): change of the grip force per closing distance of each finger.
     #[serde(default = "default::stiffness")]
     pub stiffness: f64,
-    /// Share of the carried load below which the object counts as put down.
+    /// Fraction of the carried load below which the object counts as put down.
     #[serde(default = "default::put_down_share")]
     pub put_down_share: f64,
-    /// Duration for which the load must be that low (s); longer than the dips of a shaken load.
+    /// Duration for which the load must be that low (s); longer than the dips of a load that is shaken.
     #[serde(default = "default::put_down_time")]
     pub put_down_time: f64,
     /// Minimum load of a finger that counts as carried (N).
     #[serde(default = "default::carried_load")]
     pub carried_load: f64,
-    /// Duration without touch of a finger after which the object counts as lost (s).
+    /// Duration without contact of a finger after which the object counts as lost (s).
     #[serde(default = "default::lost_time")]
     pub lost_time: f64,
     /// Speed of release (m/s).
@@ -72,7 +72,7 @@ pub struct GripConfig {
     /// Friction coefficient that the law `known-friction` uses.
     #[serde(default = "default::known_friction")]
     pub known_friction: f64,
-    /// Share of the friction limit that the load may use under the law `known-friction`.
+    /// Fraction of the friction limit that the load may use under the law `known-friction`.
     #[serde(default = "default::known_utilisation")]
     pub known_utilisation: f64,
     /// Grip force of the law `fixed` (N).
@@ -99,29 +99,30 @@ defaults! {
     fixed_force: f64 = 20.0,
 }
 
-/// Law of the grip force: the way it follows load and slip.
+/// Law that determines the grip force from load and slip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GripLaw {
-    /// The grip is the load divided by the friction that the partially slipping edge of the contact shows.
+    /// Load divided by the friction coefficient, which is estimated from partial slip at the edge of the contact.
     #[default]
     PartialSlip,
-    /// The paper's reflex: the fingers close at a constant speed while SLIP is raised.
+    /// The paper's reflex: the fingers close at a constant speed while the SLIP flag is raised.
     Reflex,
     /// The reflex with slip detected from missing shear.
     MissingShear,
     /// The reflex with slip detected from drag.
     Drag,
-    /// The grip is the load divided by a friction coefficient that is known in advance, multiplied when the contact slips.
+    /// Load divided by a friction coefficient that is known in advance. The force is multiplied by a factor when the
+    /// contact slips.
     KnownFriction,
-    /// A constant grip.
+    /// Constant grip force.
     Fixed,
-    /// The control law `policy` chooses the velocity of each finger; the task holds its position.
+    /// The control law `policy` chooses the velocity of each finger; the task plans to hold its position.
     Policy,
 }
 
 impl GripLaw {
-    /// All laws that need no file.
+    /// All laws that require no file.
     pub const ALL: [Self; 6] = [
         Self::PartialSlip,
         Self::Reflex,
@@ -131,7 +132,7 @@ impl GripLaw {
         Self::Fixed,
     ];
 
-    /// Name, as in an experiment file.
+    /// Name of the law in experiment files.
     pub fn name(self) -> &'static str {
         match self {
             Self::PartialSlip => "partial-slip",
@@ -149,15 +150,16 @@ impl GripLaw {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PartialSlipConfig {
-    /// Share of the friction limit that the load may use.
+    /// Fraction of the friction limit that the load may use.
     pub utilisation: f64,
-    /// Share of the pressing force on each group of elements whose ratio of shear to pressing force is compared.
+    /// Fraction of the pressing force carried by each group of elements; the groups' ratios of shear to pressing force
+    /// are compared.
     pub group_share: f64,
-    /// Share of the friction limit from which the contact may slip as a whole.
+    /// Fraction of the friction limit from which the contact may slip as a whole.
     pub slip_from: f64,
-    /// Factor on the grip when it slips as a whole.
+    /// Factor on the grip force when the contact slips as a whole.
     pub slip_gain: f64,
-    /// Friction coefficient that is assumed before the load shows a larger one.
+    /// Initial friction coefficient, until a larger one is estimated.
     pub least_friction: f64,
     /// Pressing force above which an element is used to estimate friction (N).
     pub least_pressing: f64,
@@ -165,9 +167,9 @@ pub struct PartialSlipConfig {
     pub filter_time: f64,
     /// Time constant with which the friction estimate rises (s).
     pub friction_time: f64,
-    /// Time constant with which a larger friction than the present ratio at the edge is forgotten (s).
+    /// Time constant with which the friction estimate falls if the present ratio at the edge is smaller (s).
     pub forget_time: f64,
-    /// Time constant with which a past load is forgotten (s).
+    /// Time constant with which the estimated load falls (s).
     pub load_time: f64,
 }
 
@@ -192,11 +194,11 @@ impl Default for PartialSlipConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SlipReflexConfig {
-    /// Speed at which each finger closes while slip is detected (m/s); the paper's v_r.
+    /// Speed at which each finger closes while slip is detected (m/s); v_r in the paper.
     pub speed: f64,
-    /// Missing shear of an element from which it slips (N), for `missing-shear`.
+    /// Missing shear from which an element counts as slipping (N), for `missing-shear`.
     pub missing_shear: f64,
-    /// Drag from which the object slips (N), for `drag`.
+    /// Drag from which the object counts as slipping (N), for `drag`.
     pub drag: f64,
 }
 
@@ -211,7 +213,7 @@ impl Default for SlipReflexConfig {
 }
 
 impl GripConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let positive = [
             ("touch_force", self.touch_force),

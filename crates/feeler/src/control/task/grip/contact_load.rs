@@ -1,34 +1,37 @@
-//! Pressing force and shear of the fingers on the object.
+//! Pressing force and shear between fingers and object.
 
 use super::surface::Surface;
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::FingerReadings;
 use glam::DVec3;
 
-/// Force on one element by the object, split along a direction: the closing direction, or the normal of the object's surface.
+/// Force on one element by the object, split into components along and perpendicular to a direction: the closing
+/// direction, or the normal of the object's surface.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ElementLoad {
     /// Pressing force (N), positive in compression.
     pub pressing: f64,
-    /// Shear force (N, in W), across that direction.
+    /// Shear force (N, in W), perpendicular to that direction.
     pub shear: DVec3,
 }
 
 /// Total load on one finger.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct FingerLoad {
-    /// Pressing force (N), along the closing direction.
+    /// Pressing force (N) along the closing direction.
     pub pressing: f64,
-    /// Shear force of the object on the finger (N, in W), across the closing direction.
+    /// Shear force on the finger by the object (N, in W), perpendicular to the closing direction.
     pub shear: DVec3,
-    /// Shear force that is as close to slipping as the shear and the torsion about the closing direction together (N).
+    /// Equivalent shear force (N): it would be as close to slipping as the actual shear together with the torsion about
+    /// the closing direction.
     pub equivalent: f64,
-    /// `true` if an element touches.
+    /// `true` if an element is in contact.
     pub touches: bool,
 }
 
 impl ElementLoad {
-    /// Writes the load on each element of `finger`, which closes along `approach`, to `loads`. Returns those written.
+    /// Computes the load on each element of `finger`, which closes along `approach`, into `loads`. Returns the part of
+    /// `loads` that was written.
     pub fn of_finger<'a>(
         finger: &FingerReadings<'_>,
         approach: DVec3,
@@ -46,8 +49,8 @@ impl ElementLoad {
         loads
     }
 
-    /// Relates the `loads` of `finger` to the normal of the object's surface at each tip instead of the closing direction.
-    /// `feeler` is the shape of the feelers in series with the object.
+    /// Converts the `loads` of `finger` from the closing direction to the normal of the object's surface at each tip.
+    /// `feeler` contains the properties of the feelers in series with the object.
     pub fn relate_to(
         surface: &Surface,
         finger: &FingerReadings<'_>,
@@ -69,13 +72,13 @@ impl ElementLoad {
 }
 
 impl FingerLoad {
-    /// Sums the loads on the `elements` of `finger`, which closes along `approach`. Elements touch above `touch_force` (N).
-    /// Weaker forces are included in the sums, because they add up.
+    /// Sums the loads on the `elements` of `finger`, which closes along `approach`. Elements are in contact above
+    /// `touch_force` (N). Smaller forces are included in the sums, because they add up.
     ///
-    /// Shear and torsion limit each other like the axes of an ellipsoid (Howe and Cutkosky, Int. J. Robotics Research 15,
-    /// 1996): with shear `S` (N) and torsion `M` (N m), the contact slips at `(S / μN)² + (M / μ Σ n ρ)² = 1`, where `μ` is the
-    /// friction coefficient, `N` the pressing force (N), and its part `n` presses at the distance `ρ` (m) from the centre of
-    /// pressure.
+    /// Shear and torsion limit each other like the axes of an ellipsoid (Howe and Cutkosky, Int. J. Robotics Research
+    /// 15, 1996): with shear `S` (N) and torsion `M` (N m), the contact slips at `(S / μN)² + (M / μ Σ n ρ)² = 1`,
+    /// where `μ` is the friction coefficient, `N` the pressing force (N), and `n` the pressing force of an element at
+    /// the distance `ρ` (m) from the centre of pressure.
     pub fn new(
         finger: &FingerReadings<'_>,
         elements: &[ElementLoad],

@@ -1,11 +1,12 @@
-//! Force control of a gripper: closing speed from the missing grip force and the contact's stiffness, which is measured.
+//! Force control of a gripper: computes the closing speed from the missing grip force and the estimated contact
+//! stiffness.
 
-/// Closing distance after which a measurement has lost half of its weight, squared (m²).
+/// Sum of squared changes of the closing distance (m²) above which the weight of all earlier measurements is halved.
 const MEMORY: f64 = 4e-8;
-/// Range of plausible stiffness (N/m).
+/// Valid range of the stiffness (N/m).
 const PLAUSIBLE: (f64, f64) = (100.0, 1e5);
 
-/// Closing speed and stiffness estimate.
+/// Force controller with an estimate of the contact stiffness.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ForceControl {
     /// Sums of squared changes of the closing distance (m²) and of their products with changes of the grip force (N m).
@@ -16,7 +17,8 @@ pub(super) struct ForceControl {
 }
 
 impl ForceControl {
-    /// Starts with an assumed `stiffness` (N/m): change of the grip force per closing distance of each finger.
+    /// Creates the controller with an assumed `stiffness` (N/m): change of the grip force per closing distance of each
+    /// finger.
     pub fn new(stiffness: f64) -> Self {
         Self {
             squares: 0.1 * MEMORY,
@@ -25,8 +27,8 @@ impl ForceControl {
         }
     }
 
-    /// Updates the stiffness with the mean closing distance of the fingers (m) and the grip force (N): a least-squares
-    /// slope that forgets with the distance.
+    /// Updates the stiffness estimate with the mean closing distance of the fingers (m) and the grip force (N): a
+    /// least-squares slope in which earlier measurements lose weight with the distance.
     pub fn update(&mut self, closed: f64, grip: f64) {
         if let Some((from, force)) = self.previous.replace((closed, grip)) {
             let change = closed - from;
@@ -39,7 +41,8 @@ impl ForceControl {
         }
     }
 
-    /// Closing speed of each finger (m/s) that changes the grip force by `bandwidth` (1/s) times the `missing` force (N).
+    /// Closing speed of each finger (m/s) at which the grip force changes at the rate `bandwidth` (1/s) times the
+    /// `missing` force (N).
     pub fn speed(&self, missing: f64, bandwidth: f64) -> f64 {
         let stiffness = (self.products / self.squares).clamp(PLAUSIBLE.0, PLAUSIBLE.1);
         bandwidth * missing / stiffness

@@ -1,9 +1,9 @@
-//! The grip task: a gripper takes an object, holds it with little force while it is carried, and lets go when it is put
-//! down.
+//! The grip task: a gripper grasps an object, holds it with little force while it is carried, and releases it when it
+//! is put down.
 //!
-//! All fingers close and open at the same speed, like those of a parallel gripper with one motor. The task does not move
-//! the object: an arm does, and the task does not know how. It feels the load by the shear of the fingertips, and takes
-//! a load that vanishes for a while as a sign that the object stands on something.
+//! All fingers close and open at the same speed, like those of a parallel gripper with one motor. The object is moved
+//! by an arm, whose motion is unknown to the task. The load is estimated from the shear of the fingertips; if it
+//! vanishes for a while, the object is assumed to have been put down.
 
 mod carried_load;
 mod config;
@@ -35,29 +35,30 @@ use slip_signal::SlipSignal;
 use softness::Softness;
 use surface::Surface;
 
-/// Speed after the first touch, relative to the search speed.
+/// Speed after the first contact, relative to the search speed.
 const SLOW: f64 = 0.3;
-/// Duration from the first load from which an inclined surface counts (s): the contact settles before.
+/// Duration of the load after which the inclination of the surface is taken into account (s); before that, the contact
+/// settles.
 const INCLINED_FROM: f64 = 0.2;
-/// Speed at which a finger returns to where it grasped the object, relative to its distance, under a policy (1/s). It is
-/// slow, so that the planned velocity is a measure of how far the finger has closed.
+/// Gain of the planned return to the position of the grasp, if a policy controls the fingers (1/s). It is low, so that
+/// the planned velocity is a measure of how far the finger has closed.
 const HOLDING: f64 = 1.0;
-/// Distance by which each finger leaves the object before it returns (m).
+/// Distance by which each finger retracts from the object before it returns (m).
 const CLEARANCE: f64 = 0.002;
 
-/// Opposing finger.
+/// State of one of the opposing fingers.
 #[derive(Debug, Clone, Default)]
 struct Jaw {
     home: DVec3,
     approach: DVec3,
-    /// Space for the load on each element.
+    /// Buffer for the load on each element.
     elements: Vec<ElementLoad>,
     load: FingerLoad,
-    /// Time of the last touch (s).
+    /// Time of the latest contact (s).
     touched: f64,
     /// Closing distance from home at which the object was grasped (m).
     grasped: f64,
-    /// Position at which it let go (m, in W).
+    /// Position at which the finger released the object (m, in W).
     let_go: DVec3,
 }
 
@@ -68,7 +69,7 @@ impl Jaw {
         pressing.fold(0.0, f64::max)
     }
 
-    /// Closing distance from home at this `position` of the fingertip (m, in W).
+    /// Closing distance from home if the fingertip is at `position` (m, in W).
     fn closed(&self, position: DVec3) -> f64 {
         (position - self.home).dot(self.approach)
     }
@@ -80,14 +81,14 @@ pub struct Grip {
     config: GripConfig,
     jaws: Vec<Jaw>,
     partial_slip: PartialSlip,
-    /// Slip signal of the law, if it uses one.
+    /// Slip detector of the law; `None` if the law does not use one.
     signal: Option<SlipSignal>,
     control: ForceControl,
     softness: Softness,
     /// Closing speed of each finger in contact (m/s).
     speed: f64,
     carried: CarriedLoad,
-    /// Time since when the load has been low, or `None` if it is not (s).
+    /// Time at which the load became low (s); `None` if it is not low.
     low_since: Option<f64>,
     phase: Phase,
     /// Time of the previous step (s), and sequence numbers of its frames.
@@ -130,13 +131,13 @@ impl Grip {
         self.mean(|jaw| jaw.load.pressing)
     }
 
-    /// Pressing force of the finger that presses least (N).
+    /// Smallest pressing force of all fingers (N).
     fn weakest(&self) -> f64 {
         let pressing = self.jaws.iter().map(|jaw| jaw.load.pressing);
         pressing.fold(f64::INFINITY, f64::min)
     }
 
-    /// Mean load of a finger, with torsion (N).
+    /// Mean equivalent load of a finger, including torsion (N).
     fn load(&self) -> f64 {
         self.mean(|jaw| jaw.load.equivalent)
     }
@@ -176,7 +177,7 @@ impl Grip {
         new
     }
 
-    /// Holds the object: chooses the closing speed, and decides whether the object is lost or put down.
+    /// Holds the object: updates the closing speed, and detects whether the object was lost or put down.
     fn hold(&mut self, hand: &HandReadings<'_>, interval: f64, new: bool) {
         if new {
             self.partial_slip.update_friction(interval);
@@ -212,7 +213,8 @@ impl Grip {
         }
     }
 
-    /// Closing speed of each finger (m/s) for the grip force that the law requests at this `load` of a finger (N).
+    /// Closing speed of each finger (m/s) that regulates the grip force to the one that the law requires for this
+    /// `load` of a finger (N).
     fn closing_speed(&self, hand: &HandReadings<'_>, load: f64, slips: bool) -> f64 {
         let config = &self.config;
         let estimate = &self.partial_slip;
@@ -245,7 +247,7 @@ impl Grip {
         speed.clamp(-config.press_speed, fastest)
     }
 
-    /// Returns `true` if the load that was carried has been low for a while.
+    /// Returns `true` if the carried load has been low for long enough.
     fn is_put_down(&mut self, stamp: f64) -> bool {
         if !self.carried.is_below(self.config.put_down_share) {
             self.low_since = None;
@@ -269,7 +271,7 @@ impl Grip {
         jaws.all(|(jaw, pose)| done(jaw, pose.position))
     }
 
-    /// Closes until every finger presses with at least `grip_force`.
+    /// Closes the fingers until each of them presses with at least `grip_force`.
     fn search(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         if self
             .jaws

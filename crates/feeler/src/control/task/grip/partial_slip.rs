@@ -1,10 +1,10 @@
 //! Friction from partial slip: the edge of a contact slips before its middle.
 //!
-//! On a fingertip that bulges towards the object, elements at the edge of the contact are pressed less than those in its
-//! middle, but sheared by the same displacement. As the load rises, elements slip one after the other, from the edge
-//! inwards, and the object moves only when the last one slips. An element that slips shows the friction coefficient as
-//! its ratio of shear to pressing force; one that sticks has a lower ratio. So the friction is known while the object is
-//! still held, without any model of the fingertip.
+//! On a convex fingertip, elements at the edge of the contact are pressed less than those in its middle, but sheared by
+//! the same displacement. As the load rises, elements slip one after the other, from the edge inwards, and the object
+//! moves only when the last one slips. The ratio of shear to pressing force of a slipping element equals the friction
+//! coefficient; that of a sticking element is lower. So the friction is known while the object is still held, without a
+//! model of the fingertip.
 
 use super::config::PartialSlipConfig;
 use super::contact_load::{ElementLoad, FingerLoad};
@@ -12,30 +12,34 @@ use crate::control::grasp_slip::part;
 use crate::sensor::fingertip::MAX_ELEMENTS;
 use glam::{DVec3, DVec4};
 
-/// Load below which the direction of the load is unknown (N).
+/// Load below which its direction is considered unknown (N).
 const LEAST_LOAD: f64 = 0.05;
-/// Grip below which the utilisation of the friction is unknown (N).
+/// Lower bound of the grip force in ratios (N).
 const LEAST_GRIP: f64 = 0.03;
 
-/// Largest increase of the load by the inclination of the surface. Few tips show the inclination badly.
+/// Maximum factor by which the inclination of the surface increases the load. The inclination is uncertain if few tips
+/// are in contact.
 const MOST_INCLINED: f64 = 1.3;
 
-/// Estimates friction and load of a grasp, and the grip that they require.
+/// Estimates friction and load of a grasp, and the grip force that they require.
 #[derive(Debug, Clone)]
 pub struct PartialSlip {
     config: PartialSlipConfig,
-    /// Filtered load of each element of each finger.
+    /// Low-pass filtered load of each element of each finger.
     means: Vec<Vec<ElementLoad>>,
-    /// Space for the pressed elements of one finger: pressing force, and shear along the load (N).
+    /// Buffer for the pressed elements of one finger: pressing force, and shear along the load (N).
     pressed: Vec<(f64, f64)>,
-    /// Filtered friction coefficient: rises with `friction_time` to the ratio at the edge, falls with `forget_time`.
+    /// Filtered friction coefficient: rises with `friction_time` and falls with `forget_time` towards the ratio at the
+    /// edge.
     friction: f64,
-    /// The largest of the friction and the present ratio at the edge.
+    /// The larger of the friction estimate and the present ratio at the edge.
     edge: f64,
-    /// Sums of the present and of the filtered ratios at the edges of the fingers felt in this step, and their number.
+    /// Sums of the present and of the filtered ratios at the edges of the fingers added in this step, and number of
+    /// these fingers.
     edges: [f64; 2],
     felt: usize,
-    /// Sums of shear (N, in W) and pressing force (N) of all elements of the fingers felt in this step, and their ratio.
+    /// Sums of shear (N, in W) and pressing force (N) over all elements of the fingers added in this step, and their
+    /// ratio.
     total: DVec4,
     ratio: f64,
     /// Largest recent load of a finger (N).
@@ -43,7 +47,7 @@ pub struct PartialSlip {
 }
 
 impl PartialSlip {
-    /// Creates the estimator for a number of `fingers`.
+    /// Creates the estimator for the given number of `fingers`.
     pub fn new(config: PartialSlipConfig, fingers: usize) -> Self {
         Self {
             config,
@@ -59,13 +63,14 @@ impl PartialSlip {
         }
     }
 
-    /// Estimated friction coefficient; a lower bound while no element has slipped.
+    /// Estimated friction coefficient; a lower bound until an element has slipped.
     pub fn friction(&self) -> f64 {
         self.friction
     }
 
-    /// Adds the loads on the `elements` of finger `index`, relative to the surface of the object, `interval` (s) after the
-    /// previous ones. `load` is the finger's total load, relative to the closing direction: it gives the shear's direction.
+    /// Adds the loads on the `elements` of finger `index`, relative to the surface of the object, `interval` (s) after
+    /// the previous ones. `load` is the finger's total load relative to the closing direction, which defines the
+    /// direction of shear.
     pub fn add_finger(
         &mut self,
         index: usize,
@@ -107,8 +112,8 @@ impl PartialSlip {
         self.felt += 1;
     }
 
-    /// Updates the friction after all fingers have been felt, `interval` (s) after the previous update. On a tilted object
-    /// the ratios of opposing fingers deviate in opposite directions, so their mean counts.
+    /// Updates the friction after all fingers have been added, `interval` (s) after the previous update. Uses the mean
+    /// over the fingers, because on a tilted object the ratios of opposing fingers deviate in opposite directions.
     pub fn update_friction(&mut self, interval: f64) {
         let felt = std::mem::take(&mut self.felt);
         let [now, mean] = std::mem::take(&mut self.edges).map(|sum| sum / felt.max(1) as f64);
@@ -133,13 +138,15 @@ impl PartialSlip {
         self.load = load.max(self.load + forgotten * (load - self.load));
     }
 
-    /// Load (N) on a surface across the closing direction that would be as close to slipping as the present `load` (N) on
-    /// the object's surface, at this `grip` (N). Beside the axis of a cylinder, for example, pressing drives the object out.
+    /// Corrects the `load` (N) for an inclined surface, at this `grip` force (N): returns the load that would be as
+    /// close to slipping on a surface perpendicular to the closing direction. Beside the axis of a cylinder, for
+    /// example, pressing pushes the object out.
     pub fn on_surface(&self, load: f64, grip: f64) -> f64 {
         load.max((self.ratio * grip).min(MOST_INCLINED * load))
     }
 
-    /// Grip force that the load requires (N). The fingers press with `grip` and bear `shear` at present (N).
+    /// Grip force required for the load (N). `grip` and `shear` are the present pressing force and shear of a finger
+    /// (N).
     pub fn required(&self, grip: f64, shear: f64) -> f64 {
         self.required_at(
             self.config.utilisation,
@@ -149,10 +156,12 @@ impl PartialSlip {
         )
     }
 
-    /// Like [`required`](Self::required), where the load may use the share `utilisation` of the limit at a known `friction`.
-    /// At the friction `edge`, the contact slips as a whole when the load uses all of it.
+    /// Like [`required`](Self::required), but for a given `friction` coefficient and fraction `utilisation` of the
+    /// friction limit that the load may use. The contact slips as a whole if the shear reaches the limit for the
+    /// friction coefficient `edge`.
     ///
-    /// A contact that slips as a whole bears no more than its friction, so the load is unknown: the grip is multiplied.
+    /// The shear of a contact that slips as a whole is limited by friction, so the load is unknown. The grip force is
+    /// then multiplied by a factor.
     pub fn required_at(
         &self,
         utilisation: f64,
@@ -171,11 +180,12 @@ impl PartialSlip {
     }
 }
 
-/// Largest ratio of shear to pressing force of the groups of elements that are pressed alike. Each group bears the share
-/// `group_share` of the pressing force. Sorts `pressed`.
+/// Largest ratio of shear to pressing force among groups of elements with similar pressing forces. Each group carries
+/// the fraction `group_share` of the pressing force. Sorts `pressed`.
 ///
-/// Single elements would not do: noise and the curvature of the object raise the ratio of some of them and lower that of
-/// others that are pressed alike. Neither would the least pressed group: elements that have just touched bear no shear.
+/// Single elements are unsuitable: noise and the curvature of the object raise the ratio of some of them and lower that
+/// of others with similar pressing forces. So is the least pressed group: elements that have just come into contact
+/// carry no shear.
 fn edge_ratio(pressed: &mut [(f64, f64)], group_share: f64) -> Option<f64> {
     pressed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let enough = group_share * pressed.iter().map(|element| element.0).sum::<f64>();

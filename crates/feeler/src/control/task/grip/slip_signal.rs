@@ -1,4 +1,4 @@
-//! Slip signals of the laws that close the fingers while they detect slip.
+//! Slip detectors of the laws that close the fingers while they detect slip.
 
 use super::config::{GripConfig, GripLaw};
 use crate::control::grasp_slip::{GraspDrag, GraspDragConfig};
@@ -6,19 +6,19 @@ use crate::control::sense::HandReadings;
 use crate::control::slip_detector::SlipDetector;
 use crate::sensor::fingertip::MAX_ELEMENTS;
 
-/// Detects slip, by the law's method.
+/// Slip detector of a law.
 #[derive(Debug, Clone)]
 pub(super) enum SlipSignal {
     /// The paper's SLIP flag.
     Flag,
-    /// Missing shear of an element above this force (N), by one detector per finger.
+    /// Missing shear of an element: threshold (N), and one detector per finger.
     MissingShear(f64, Vec<SlipDetector>),
-    /// Drag above this force (N), by one detector per finger.
+    /// Drag of a finger: threshold (N), and one detector per finger.
     Drag(f64, Vec<GraspDrag>),
 }
 
 impl SlipSignal {
-    /// Creates the signal of the configured law. `None` if the law uses none.
+    /// Creates the detector of the configured law; `None` if the law does not use one.
     pub fn new(config: &GripConfig) -> Option<Self> {
         let (own, fingers) = (&config.slip_reflex, config.finger.len());
         match config.law {
@@ -43,8 +43,8 @@ impl SlipSignal {
         }
     }
 
-    /// Returns whether the object slips, from the readings `interval` (s) after the previous ones. Must be called once
-    /// per frame.
+    /// Returns whether the object slips, given readings taken `interval` (s) after the previous ones. Must be called
+    /// once per frame.
     pub fn slips(&mut self, hand: &HandReadings<'_>, interval: f64) -> bool {
         match self {
             Self::Flag => hand.fingers().any(|finger| finger.flags().slip),

@@ -1,16 +1,16 @@
-//! Softness of an object, from the force of the deepest feelers while the gripper closes.
+//! Estimates the softness of an object from the force on the most compressed feelers while the gripper closes.
 
 use crate::control::feeler_shape::FeelerShape;
 
-/// Force of the deepest feeler of each finger from which the measurement starts (N).
+/// Force on the most compressed feeler of each finger from which the measurement starts (N).
 pub(super) const START_FORCE: f64 = 0.04;
-/// Closing distance of all fingers together from which the stiffness is known (m).
+/// Minimum closing distance of all fingers together for an estimate of the stiffness (m).
 const LEAST_DISTANCE: f64 = 1e-4;
-/// Range of plausible shares.
+/// Valid range of the relative stiffness.
 const PLAUSIBLE: (f64, f64) = (0.15, 1.0);
 
-/// Stiffness of feeler and object in series, relative to that of the feeler. All of a finger's closing distance compresses its
-/// deepest feeler, while the number of those that touch changes.
+/// Estimates the stiffness of feeler and object in series, relative to that of the feeler. Uses the most compressed
+/// feeler, because a finger's entire closing distance compresses it, while the number of feelers in contact changes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Softness {
     feeler: FeelerShape,
@@ -21,7 +21,7 @@ pub(super) struct Softness {
 }
 
 impl Softness {
-    /// Starts with a rigid object.
+    /// Creates the estimate for a rigid object.
     pub fn new(feeler: FeelerShape) -> Self {
         Self {
             feeler,
@@ -30,8 +30,8 @@ impl Softness {
         }
     }
 
-    /// Updates the share with the sum of the deepest feelers' forces (N) at the closing distance `closed` of all fingers
-    /// together (m).
+    /// Updates the relative stiffness with the sum of the forces on the most compressed feelers (N), at the closing
+    /// distance `closed` of all fingers together (m).
     pub fn update(&mut self, closed: f64, force: f64) {
         let (from, before) = *self.start.get_or_insert((closed, force));
         if closed - from > LEAST_DISTANCE {
@@ -40,7 +40,7 @@ impl Softness {
         }
     }
 
-    /// The feeler and the object in series, as one feeler that touches a rigid object.
+    /// Properties of a feeler that is equivalent to feeler and object in series.
     pub fn in_series(&self) -> FeelerShape {
         FeelerShape {
             normal_stiffness: self.share * self.feeler.normal_stiffness,

@@ -1,23 +1,24 @@
-//! Surface of an object at a contact, from the positions of the loaded tips.
+//! Estimates the surface of an object at a contact from the positions of the loaded feeler tips.
 
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::FingerReadings;
 use glam::DVec3;
 use nalgebra::{SMatrix, SVector};
 
-/// Unit of the coordinates in the fit (m), so that all terms are of similar size.
+/// Length unit of the coordinates in the fit (m), so that all terms have similar magnitudes.
 const UNIT: f64 = 1e-3;
 /// Standard deviation of the position of a tip (m).
 const TIP_ERROR: f64 = 1e-5;
-/// Standard deviation of the slope of objects. With few tips, the surface is as flat as they allow.
+/// Prior standard deviation of the slope of objects. With few tips, the surface is estimated as flat as they allow.
 const SLOPE_DEVIATION: f64 = 1.0;
-/// Standard deviation of the curvature of objects (1/m).
+/// Prior standard deviation of the curvature of objects (1/m).
 const CURVATURE_DEVIATION: f64 = 300.0;
 
-/// Surface of an object: depth along the closing direction, as a polynomial of second order in the coordinates across it.
+/// Surface of an object: depth along the closing direction, as a second-order polynomial in the coordinates
+/// perpendicular to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
-    /// Closing direction and the axes across it, unit vectors in W.
+    /// Closing direction and the axes perpendicular to it, unit vectors in W.
     approach: DVec3,
     across: [DVec3; 2],
     /// Origin of the coordinates (m, in W).
@@ -27,8 +28,9 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Fits the surface to the tips of `finger` that press along `approach` with more than `least` (N), weighted by their
-    /// force. `feeler` is the shape of the feelers in series with the object. `None` if no tip presses.
+    /// Fits the surface to the tips of `finger` that press along `approach` with more than `least` (N), weighted by
+    /// their force. `feeler` contains the properties of the feelers in series with the object. `None` if no tip
+    /// presses.
     pub fn fit(
         finger: &FingerReadings<'_>,
         approach: DVec3,
@@ -81,13 +83,13 @@ impl Surface {
         Some(surface)
     }
 
-    /// Coordinates of `position` (m, in W) across the closing direction, in units of [`UNIT`].
+    /// Coordinates of `position` (m, in W) perpendicular to the closing direction, in units of [`UNIT`].
     fn coordinates(&self, position: DVec3) -> [f64; 2] {
         self.across
             .map(|axis| (position - self.origin).dot(axis) / UNIT)
     }
 
-    /// Normal at `position` (m, in W), a unit vector in W into the object.
+    /// Surface normal at `position` (m, in W), a unit vector in W that points into the object.
     pub fn normal(&self, position: DVec3) -> DVec3 {
         let [x, y] = self.coordinates(position);
         let c = &self.coefficients;

@@ -5,20 +5,19 @@ use crate::control::flags::FlagThresholds;
 use crate::control::task::screw::FingerPathConfig;
 use serde::{Deserialize, Serialize};
 
-/// Maximum press force as a share of F2, because drives that lag overshoot slightly.
+/// Maximum press force as a fraction of F2; the rest allows for overshoot of drives with lag.
 const GREATEST_PRESS: f64 = 0.9;
-/// Minimum sine of the angle between approach and stroke.
+/// Minimum sine of the angle between approach and stroke directions.
 const MIN_CROSS: f64 = 0.1;
 
-/// Places and forces of the probing routine.
+/// Places and forces of the probing task.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeConfig {
     /// Speed of the approach (m/s).
     #[serde(default = "default::search_speed")]
     pub search_speed: f64,
-    /// Maximum travel from home without touch (m), after which the finger stops the task. Also limits the depth of a
-    /// press.
+    /// Maximum travel from home without contact (m), after which the hand is stopped. Also limits the depth of a press.
     #[serde(default = "default::search_limit")]
     pub search_limit: f64,
     /// Speed of the first press and release at each place (m/s). The second press and release are twice as fast.
@@ -30,7 +29,8 @@ pub struct ProbeConfig {
     /// Maximum force `F_z` on the most loaded element while a finger slides (N).
     #[serde(default = "default::slide_force")]
     pub slide_force: f64,
-    /// Maximum depth of an element while a finger slides (m). Soft elements slide with less than `slide_force`.
+    /// Maximum depth of an element while a finger slides (m). For soft elements, it limits the force to less than
+    /// `slide_force`.
     #[serde(default = "default::slide_depth")]
     pub slide_depth: f64,
     /// Sliding distance along the object's axis (m).
@@ -45,11 +45,11 @@ pub struct ProbeConfig {
     /// Speed between places and home (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// Minimum and maximum plausible radius of a feeler's rounded tip (m). Touch alone cannot separate it from the
-    /// object's radius.
+    /// Minimum and maximum plausible radius of a feeler's rounded tip (m). It cannot be distinguished from the object's
+    /// radius by tactile measurements alone.
     #[serde(default = "default::tip_radius")]
     pub tip_radius: [f64; 2],
-    /// Home, approach and stroke of each finger, as in `[task.screw]`.
+    /// Home, approach and stroke directions of each finger, as in `[task.screw]`.
     pub finger: Vec<FingerPathConfig>,
 }
 
@@ -68,7 +68,8 @@ defaults! {
 }
 
 impl ProbeConfig {
-    /// Returns a gentle probe along the rectangles of `finger`, for elements rated at `over_force` (F2, N).
+    /// Returns a probing task with low forces at the home positions of `finger`, for elements rated at `over_force`
+    /// (F2, N).
     pub fn gentle(finger: Vec<FingerPathConfig>, over_force: f64) -> Self {
         let press_force = 0.7 * over_force;
         Self {
@@ -87,7 +88,7 @@ impl ProbeConfig {
         }
     }
 
-    /// Requires every value of the table `key` to be in its range. `thresholds` defines F1 and F2.
+    /// Checks that every value of the table `key` is in its range. `thresholds` defines F1 and F2.
     pub fn check(&self, key: &str, thresholds: &FlagThresholds, checker: &mut Checker) {
         let positive = [
             ("search_speed", self.search_speed),

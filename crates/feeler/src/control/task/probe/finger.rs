@@ -1,4 +1,4 @@
-//! One finger of the probing routine.
+//! Motion of one finger in the probing task.
 
 use super::config::ProbeConfig;
 use super::step::Step;
@@ -9,23 +9,23 @@ use crate::control::task::screw::FingerPathConfig;
 use crate::control::task::search::check_search;
 use glam::DVec3;
 
-/// Number of places that are probed.
+/// Number of places that each finger probes.
 pub(super) const PLACES: u32 = 3;
-/// Displacement while the elements stick, relative to their depth. The shear force stays below 0.35 of the normal
+/// Shear displacement while the elements stick, relative to their depth. The shear force stays below 0.35 of the normal
 /// force even if the shear stiffness is close to the normal stiffness.
 const SHEAR: f64 = 0.35;
-/// Rate of sliding and shearing, in depths per second.
+/// Speed of sliding and shearing, relative to the depth (1/s).
 const SLIDE_RATE: f64 = 5.0;
 /// Maximum duration of sliding at one place (s).
 const LONGEST_SLIDE: f64 = 2.5;
 /// Gain of force control while a finger slides (1/s).
 const FORCE_RATE: f64 = 2.0;
-/// Maximum distance from a place at which a finger counts as there (m).
+/// Maximum distance from a place for a finger to count as being there (m).
 const TOLERANCE: f64 = 0.0002;
-/// Number of consecutive control steps without enough force after which a finger has lost the object.
+/// Number of consecutive control steps with insufficient force after which a finger has lost the object.
 const LOST: u32 = 20;
 
-/// State of one finger: its rectangle, measurements of the contact, and the start of its step.
+/// State of one finger: its directions of motion, measurements of the contact, and start of the current step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Finger {
     home: DVec3,
@@ -33,23 +33,23 @@ pub(super) struct Finger {
     approach: DVec3,
     stroke: DVec3,
     axis: DVec3,
-    /// Distance along the stroke from home to the middle place (m).
+    /// Distance along the stroke direction from home to the middle place (m).
     middle: f64,
-    /// Sign of the places along the stroke. Neighbouring fingers probe on the same side, so that their torques
-    /// cancel.
+    /// Sign of the order of places along the stroke. Neighbouring fingers probe on the same side of the object, so that
+    /// their torques cancel.
     side: f64,
-    /// Largest `F_z` (N), now and at first touch.
+    /// Largest `F_z` of an element (N), now and at the first contact.
     force: f64,
     touch_force: f64,
-    /// Distance from home towards the object at the first touch of this place (m).
+    /// Distance from home towards the object at the first contact at this place (m).
     touched_at: Option<f64>,
-    /// Contact stiffness along the approach from the first press (N/m).
+    /// Contact stiffness along the approach, measured in the first press (N/m).
     stiffness: f64,
     /// Position at the start of the step (m, in W).
     from: DVec3,
-    /// `true` if the finger has completed the step.
+    /// `true` if the finger has completed the current step.
     through: bool,
-    /// Number of consecutive control steps with too little force.
+    /// Number of consecutive control steps with insufficient force.
     weak: u32,
 }
 
@@ -81,7 +81,7 @@ impl Finger {
     /// Updates the finger with its readings, `elapsed` seconds after `step` began at `place`.
     ///
     /// # Errors
-    /// If the finger `index` finds no object to press, or loses it.
+    /// If the finger `index` finds no object, or loses it.
     pub fn advance(
         &mut self,
         index: usize,
@@ -105,7 +105,7 @@ impl Finger {
         Ok(())
     }
 
-    /// Returns whether the finger has completed the step.
+    /// Returns whether the finger has completed the current step.
     pub fn is_through(&self) -> bool {
         self.through
     }
@@ -115,12 +115,12 @@ impl Finger {
         (position - self.home).dot(self.approach)
     }
 
-    /// Force at which the finger slides (N).
+    /// Force with which the finger slides (N).
     fn slide_force(&self, config: &ProbeConfig) -> f64 {
         config.slide_force.min(self.stiffness * config.slide_depth)
     }
 
-    /// Begins a step at `position` (m, in W).
+    /// Begins `step` at `position` (m, in W).
     pub fn begin(&mut self, step: Step, position: DVec3) {
         self.from = position;
         self.through = false;
@@ -133,7 +133,7 @@ impl Finger {
         }
     }
 
-    /// Position off the object at which the finger waits before it touches at `place` (m, in W).
+    /// Position away from the object from which the finger approaches at `place` (m, in W).
     fn waiting_place(&self, place: u32, config: &ProbeConfig) -> DVec3 {
         let offset = self.side * (f64::from(place) - 0.5 * f64::from(PLACES - 1)) * config.spacing;
         let near = self
@@ -142,12 +142,12 @@ impl Finger {
         self.home + (self.middle + offset) * self.stroke + near * self.approach
     }
 
-    /// Displacement of a shear that sticks (m).
+    /// Displacement of the shear step, in which the elements stick (m).
     fn shear(&self, config: &ProbeConfig) -> f64 {
         SHEAR * config.press_force / self.stiffness.max(1.0)
     }
 
-    /// Depth to which an element is pressed in for the sliding test (m).
+    /// Depth to which an element is pressed for sliding (m).
     fn slide_depth(&self, config: &ProbeConfig) -> f64 {
         self.slide_force(config) / self.stiffness.max(1.0)
     }
@@ -213,7 +213,7 @@ impl Finger {
         }
     }
 
-    /// Slides along the object's axis with a regulated force.
+    /// Velocity for sliding along the object's axis with force control (m/s, in W).
     fn slide(&self, direction: f64, position: DVec3, config: &ProbeConfig) -> DVec3 {
         let missing = self.slide_force(config) - self.force;
         let press = (FORCE_RATE * missing / self.stiffness.max(1.0))

@@ -1,12 +1,13 @@
-//! The probing routine: touches, presses and releases, shears while sticking, and slides, at three places.
+//! The probing task: at three places, each finger touches the object, presses and releases, shears while sticking, and
+//! slides.
 //!
-//! The routine estimates nothing itself. Its forces, joint angles and commands are sufficient to identify contact
-//! stiffness, friction, drives and the object, for any hand. The finding `step` is the number of the current
-//! [`Step`]; a stroke is one place.
+//! The task estimates nothing itself. Its forces, joint angles and commands are sufficient to identify contact
+//! stiffness, friction, drives and the object, for any hand. The finding `step` is the number of the current [`Step`];
+//! a stroke is one place.
 //!
-//! The fingers move alike: neighbouring fingers probe on the same side of the object, and all of them shear and slide
-//! along its axis. So opposing fingers exert no torque about that axis, and an object that turns easily stays at
-//! rest.
+//! All fingers perform the same motion: neighbouring fingers probe on the same side of the object, and all of them
+//! shear and slide along its axis. Therefore opposing fingers exert no torque about that axis, and an object that turns
+//! easily stays at rest.
 
 mod config;
 mod finger;
@@ -23,7 +24,7 @@ use crate::control::stop_reason::StopReason;
 use finger::{Finger, PLACES};
 use glam::DVec3;
 
-/// Durations of the rest before the first step and of the pauses between steps (s). Drives settle in them; noise is
+/// Durations of the rest before the first step and of the pauses between steps (s), in which drives settle. Noise is
 /// measured in the first.
 const REST: f64 = 0.5;
 const PAUSE: f64 = 0.1;
@@ -43,7 +44,7 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// Number of places that are probed.
+    /// Number of places that each finger probes.
     pub const PLACES: u32 = PLACES;
 
     /// Creates the task in its initial state.

@@ -1,38 +1,38 @@
-//! Steps of the probing routine.
+//! Steps of the probing task.
 
 use crate::control::phase::Phase;
 
-/// A step of the probing routine, which all fingers perform together.
+/// Step of the probing task. All fingers perform it together.
 ///
-/// Recordings store the numeric value as the finding `step`.
+/// Recordings contain the numeric value as the measured quantity `step`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Step {
     /// Rests at home, to measure the noise of the forces.
     #[default]
     Rest = 0,
-    /// Moves to a place, off the object.
+    /// Moves to a place, away from the object.
     Travel = 1,
-    /// Moves towards the object until it touches.
+    /// Moves towards the object until contact.
     Approach = 2,
-    /// Presses slowly.
+    /// Presses slowly into the object.
     Press = 3,
-    /// Releases slowly.
+    /// Releases slowly to the sliding force.
     Release = 4,
-    /// Presses twice as fast.
+    /// Presses into the object, twice as fast.
     PressFast = 5,
     /// Shears along the object's axis while the elements stick.
     Shear = 6,
-    /// Shears back.
+    /// Shears back to the start.
     ShearBack = 7,
-    /// Releases twice as fast, to the sliding force.
+    /// Releases to the sliding force, twice as fast.
     Ease = 8,
     /// Slides along the object's axis.
     Slide = 9,
-    /// Leaves the object.
+    /// Retracts from the object.
     Retract = 10,
     /// Returns home.
     Home = 11,
-    /// Rests at home; the routine is over.
+    /// Rests at home; the task has ended.
     Done = 12,
 }
 
@@ -60,7 +60,7 @@ impl Step {
         next.copied().unwrap_or(Self::Done)
     }
 
-    /// Phase of the task in this step.
+    /// Phase of the task during this step.
     pub(super) fn phase(self) -> Phase {
         match self {
             Self::Rest | Self::Approach => Phase::Search,

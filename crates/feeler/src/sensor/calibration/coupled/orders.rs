@@ -11,7 +11,7 @@ use crate::sensor::calibration::relative_moments::RelativeMoments;
 use crate::sensor::image::folds::Folds;
 use glam::DVec3;
 
-/// Minimum relative reduction of the cross-validated error by a larger model.
+/// Minimum relative reduction of the cross-validated error for which a model with more terms is chosen.
 const WORTHWHILE: f64 = 0.02;
 
 /// Chooses the numbers of terms with the best prediction of loads excluded from the fit. A larger number must improve

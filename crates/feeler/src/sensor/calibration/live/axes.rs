@@ -42,12 +42,12 @@ impl ForceAxes {
         self.0.determinant() > 0.0
     }
 
-    /// Opposite axes, such as for forces on the other of two bodies.
+    /// Mapping with all axes negated, such as from the force on one body to the reaction force on the other.
     pub fn reversed(self) -> Self {
         Self(-self.0)
     }
 
-    /// Composition: applies `first`, then `self`.
+    /// Composition of two mappings: applies `first`, then `self`.
     pub fn after(self, first: Self) -> Self {
         Self(self.0 * first.0)
     }

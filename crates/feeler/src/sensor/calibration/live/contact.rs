@@ -3,14 +3,14 @@
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec2;
 
-/// Deviation of an element, in standard deviations of the unloaded moments, below which it is untouched and from
-/// which on it is touched.
+/// Limits of an element's deviation, in standard deviations of the unloaded moments: below the first it counts as
+/// untouched, from the second on as touched.
 const UNTOUCHED: f64 = 6.0;
 const TOUCHED: f64 = 12.0;
-/// Minimum fraction of the total squared deviation in a single touched element.
+/// Minimum share of one element in the total squared deviation for it to count as the only touched element.
 const ALONE: f64 = 0.8;
 
-/// Contact in an image.
+/// Contact state detected in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Contact {
     /// No element is touched.
@@ -21,7 +21,7 @@ pub enum Contact {
     Unclear,
 }
 
-/// Statistics of the unloaded elements.
+/// Mean and noise of the moments of all elements without load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Untouched {
     elements: Vec<Noise>,
@@ -31,13 +31,13 @@ pub struct Untouched {
 struct Noise {
     gray: f64,
     centroid: DVec2,
-    /// Standard deviations.
+    /// Standard deviations of gray value and centroid.
     of_gray: f64,
     of_centroid: f64,
 }
 
 impl Untouched {
-    /// Computes the statistics of unloaded images; `None` for fewer than two.
+    /// Computes the statistics from unloaded images; `None` if there are fewer than two.
     ///
     /// A few images underestimate the noise of some elements. The standard deviations are therefore at least the
     /// median over all elements, and at least a ten-thousandth of the gray value.
@@ -71,7 +71,7 @@ impl Untouched {
         Some(Self { elements })
     }
 
-    /// Returns the contact and the total deviation of all elements, in standard deviations.
+    /// Detects the contact in an image. Returns it with the total deviation of all elements, in standard deviations.
     pub fn contact(&self, moments: &[ElementMoments]) -> (Contact, f64) {
         let changes = self.elements.iter().zip(moments).map(|(noise, now)| {
             let gray = (now.integrated_gray - noise.gray) / noise.of_gray;

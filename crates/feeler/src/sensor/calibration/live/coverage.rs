@@ -3,9 +3,9 @@
 use glam::DVec3;
 use std::fmt;
 
-/// Number of steps of compression up to full scale that must be covered.
+/// Number of equal steps of compression from zero to full scale; each step must be sampled.
 const STEPS: usize = 5;
-/// Required number of samples of each kind, and maximum number kept.
+/// Number of samples required, and kept at most, of each kind of load.
 const ENOUGH: u32 = 4;
 const MOST: u32 = 8;
 /// Minimum shear force along an axis, as a fraction of full scale.
@@ -13,7 +13,7 @@ const SHEARED: f64 = 0.3;
 /// Directions of shear, in the element's frame.
 const DIRECTIONS: [&str; 4] = ["+x", "-x", "+y", "-y"];
 
-/// Numbers of samples of one element, by kind.
+/// Numbers of samples of one element by kind of load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Coverage {
     compressed: [u32; STEPS],
@@ -30,8 +30,8 @@ pub struct Goal {
 }
 
 impl Coverage {
-    /// Counts a force, N, in the element's frame. Returns `false` if enough samples of its kind are already kept, or
-    /// it is out of range.
+    /// Counts a sample with this force (N) in the element's frame. Returns `false` if enough samples of its kind have
+    /// been kept, or if the force is out of range.
     pub fn count(&mut self, force: DVec3, goal: &Goal) -> bool {
         let step = (force.z / goal.normal * STEPS as f64).floor();
         if !(0.0..STEPS as f64).contains(&step) {

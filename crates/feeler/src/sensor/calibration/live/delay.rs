@@ -1,26 +1,26 @@
 //! Estimates the latency of images relative to forces.
 
-/// A measurement: time (s) and value.
+/// Time (s) and value of a measurement.
 pub type Timed = (f64, f64);
 
 /// Range of delays to search, s.
 const RANGE: (f64, f64) = (-0.05, 0.5);
-/// Resolution of the search, s.
+/// Step of the search, s.
 const STEP: f64 = 0.001;
-/// Minimum duration for which both images and forces are required, s.
+/// Minimum duration of the common time span of images and forces, s.
 const MIN_TIME: f64 = 2.0;
 
-/// A delay and the corresponding correlation.
+/// A delay and the correlation at that delay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
     /// Latency of images relative to forces, s.
     pub seconds: f64,
-    /// Correlation at this delay, at most 1.
+    /// Correlation of images and forces at this delay, at most 1.
     pub correlation: f64,
 }
 
-/// Finds the delay of `pictures` relative to `forces` (both in order of time) that maximizes their correlation.
-/// `None` if they are too short, one of them is constant, or the maximum is at the end of the search range.
+/// Finds the delay of `pictures` relative to `forces` (both in order of time) that maximizes their correlation. `None`
+/// if the series are too short, one of them is constant, or the maximum is at the end of the search range.
 pub fn delay(pictures: &[Timed], forces: &[Timed]) -> Option<Delay> {
     let (first, last) = (forces.first()?.0, forces.last()?.0);
     // Images for which a force is known at any delay.

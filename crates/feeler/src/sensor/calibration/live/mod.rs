@@ -4,8 +4,7 @@
 //! 1. **Untouched**: measures forces and images without load.
 //! 2. **Presses**: estimates the latency of images relative to forces from their correlation.
 //! 3. **Loads**: collects samples. An image in which only one element is touched becomes a sample of that element, if
-//!    forces of its kind are still missing and the force does not change so fast that the error of the latency
-//!    matters.
+//!    forces of its kind are still missing and the force changes slowly enough for the latency estimate.
 //!
 //! If elements cannot be loaded individually, [`LiveWrench`] guides through loading the whole fingertip, in rounds.
 //! [`LivePresses`] guides through a few presses that verify a calibration.
@@ -37,14 +36,14 @@ use synchronizer::{Of, Synchronizer};
 pub enum Stage {
     /// Images without load are collected.
     Untouched {
-        /// Number of missing images.
+        /// Number of images still required.
         missing: usize,
     },
     /// Presses, each followed by a release, are recorded to determine the latency.
     Presses {
         /// Number of presses still required; 0 if all are done but images and forces do not correlate.
         missing: u32,
-        /// Result so far, if any.
+        /// Delay estimated so far, if any.
         found: Option<Delay>,
     },
     /// Elements are loaded.
@@ -54,22 +53,22 @@ pub enum Stage {
 /// Result of processing an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Seen {
-    /// Image of the untouched fingertip, used for the mean and noise of the unloaded elements.
+    /// Image of the untouched fingertip. It contributes to the mean and noise of the unloaded elements.
     Untouched,
-    /// An image during the presses, or without contact.
+    /// Image taken during the presses or without contact. It yields no sample.
     Nothing,
     /// Several elements are touched, or the force changes too fast or is unknown at the image's time.
     Unclear,
     /// The force exceeds the goal, or enough samples of its kind are kept.
     Enough {
-        /// The touched element.
+        /// Index of the touched element.
         element: usize,
         /// Force on the element, in its frame (N).
         force: DVec3,
     },
-    /// A new sample.
+    /// A new sample was taken.
     Sample {
-        /// The touched element.
+        /// Index of the touched element.
         element: usize,
         /// Force on it in its frame, N.
         force: DVec3,
@@ -79,7 +78,7 @@ pub enum Seen {
 /// State of a live calibration.
 #[derive(Debug)]
 pub struct LiveCalibration {
-    /// Rotation of each element's frame relative to the fingertip's.
+    /// Rotation of each element's frame relative to the fingertip frame.
     frames: Vec<DMat3>,
     goal: Goal,
     coverage: Vec<Coverage>,
@@ -87,8 +86,8 @@ pub struct LiveCalibration {
 }
 
 impl LiveCalibration {
-    /// Creates a calibration of a fingertip with elements rotated by `frames` relative to the fingertip's frame. It
-    /// continues from `coverage`, the samples already known of each element.
+    /// Creates a calibration of a fingertip with elements rotated by `frames` relative to the fingertip's frame.
+    /// `coverage` contains the samples already taken of each element.
     pub fn new(frames: Vec<DMat3>, goal: Goal, coverage: Vec<Coverage>) -> Self {
         Self {
             frames,
@@ -103,7 +102,7 @@ impl LiveCalibration {
         self.synchronizer.stage()
     }
 
-    /// Samples known of each element.
+    /// Samples taken so far, for each element.
     pub fn coverage(&self) -> &[Coverage] {
         &self.coverage
     }
@@ -113,24 +112,24 @@ impl LiveCalibration {
         &self.goal
     }
 
-    /// Latency of images relative to forces, once it is known.
+    /// Latency of images relative to forces; `None` until it is estimated.
     pub fn delay(&self) -> Option<Delay> {
         self.synchronizer.delay()
     }
 
-    /// Adds a force (N, fingertip's frame) measured at the time `at`, s.
+    /// Adds a force (N, fingertip frame) measured at time `at` (s).
     pub fn force(&mut self, at: f64, force: DVec3) {
         let torque = DVec3::ZERO;
         self.synchronizer.load(at, Wrench { force, torque });
     }
 
-    /// Returns whether the forces needed for an image of the time `at` (s) have arrived. They may arrive after the
-    /// image if the camera is as fast as the force sensor.
+    /// Returns whether the forces needed for an image taken at time `at` (s) have arrived. They may arrive later than
+    /// the image if the camera is as fast as the force sensor.
     pub fn is_ready(&self, at: f64) -> bool {
         self.synchronizer.is_ready(at)
     }
 
-    /// Adds the moments of an image taken at the time `at` (s).
+    /// Adds the moments of an image taken at time `at` (s).
     pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> Seen {
         match self.synchronizer.picture(at, moments) {
             Of::Untouched => Seen::Untouched,

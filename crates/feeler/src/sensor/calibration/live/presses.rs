@@ -13,16 +13,16 @@ const APART: f64 = 0.1;
 /// Result of processing an image of a pressed fingertip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SeenPress {
-    /// An image during the first stages or between presses, or too soon after the last sample.
+    /// Image taken during the first stages, between presses, or too soon after the last sample. It yields no sample.
     Nothing,
     /// The load changes too fast or is unknown at the image's time.
     Unclear,
-    /// A new sample. The last one of a press is of the released fingertip.
+    /// A new sample was taken. The last one of a press is of the released fingertip.
     Sample(Wrench),
 }
 
-/// State of live presses. Stages and times are the same as for [`LiveCalibration`](super::LiveCalibration); the presses
-/// that determine the latency do not count.
+/// State of a series of live presses. Stages and times are the same as for [`LiveCalibration`](super::LiveCalibration);
+/// the presses used to estimate the latency do not count.
 #[derive(Debug)]
 pub struct LivePresses {
     synchronizer: Synchronizer,
@@ -52,28 +52,27 @@ impl LivePresses {
         self.synchronizer.stage()
     }
 
-    /// Number of missing presses.
+    /// Number of presses still required.
     pub fn missing(&self) -> u32 {
         self.wanted.saturating_sub(self.done)
     }
 
-    /// Latency of images relative to forces, once it is known.
+    /// Latency of images relative to forces; `None` until it is estimated.
     pub fn delay(&self) -> Option<Delay> {
         self.synchronizer.delay()
     }
 
-    /// Adds a wrench measured at the time `at`, s; z of the fingertip's frame is outward along its axis.
+    /// Adds a wrench measured at time `at` (s); z of the fingertip frame points outward along its axis.
     pub fn wrench(&mut self, at: f64, wrench: Wrench) {
         self.synchronizer.load(at, wrench);
     }
 
-    /// Returns whether the forces needed for an image of the time `at` (s) have arrived.
+    /// Returns whether the forces needed for an image taken at time `at` (s) have arrived.
     pub fn is_ready(&self, at: f64) -> bool {
         self.synchronizer.is_ready(at)
     }
 
-    /// Adds the moments of an image taken at the time `at` (s). A press of less than a fifth of full scale does not
-    /// count.
+    /// Adds the moments of an image taken at time `at` (s). A press of less than a fifth of full scale does not count.
     pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> SeenPress {
         let Of::Loads(contact) = self.synchronizer.picture(at, moments) else {
             return SeenPress::Nothing;

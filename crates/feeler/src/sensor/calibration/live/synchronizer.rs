@@ -10,44 +10,45 @@ use std::collections::VecDeque;
 
 /// Number of unloaded images for the statistics of the untouched fingertip.
 const UNTOUCHED_PICTURES: usize = 16;
-/// Duration for which loads are kept, s.
+/// Duration for which measured loads are stored, s.
 const KEPT: f64 = 20.0;
 /// Minimum correlation of images and forces for a delay to be accepted.
 const CORRELATED: f64 = 0.9;
-/// Minimum number of complete presses for estimating the delay. The response of images is not proportional to the
-/// force, which would look like a delay if only one flank of a press were known.
+/// Minimum number of complete presses for estimating the delay. The response of images is nonlinear in the force; if
+/// only one flank of a press were recorded, this would look like a delay.
 const PRESSES: u32 = 3;
-/// Maximum rate of change of a sample's force, full scales per second, and the time over which it is measured, s.
+/// Maximum rate of change of the force on a sample, in full scales per second, and the time over which it is measured,
+/// s.
 const FASTEST: f64 = 2.0;
 const CHANGE_TIME: f64 = 0.02;
-/// Time constant with which the tare follows the untouched sensor, s.
+/// Time constant with which the tare follows the reading of the unloaded force sensor, s.
 const TARE_TIME: f64 = 2.0;
 
-/// Use of an image.
+/// Stage that uses an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Of {
-    /// The untouched fingertip, during the first stage.
+    /// Statistics of the untouched fingertip, in the first stage.
     Untouched,
-    /// Presses, while the delay is estimated.
+    /// Estimation of the delay, from presses.
     Presses,
-    /// Contact, once loads are collected.
+    /// Collection of loads, with the contact in the image.
     Loads(Contact),
 }
 
-/// State shared by images and loads.
+/// Tare, delay and contact state shared by images and loads.
 #[derive(Debug)]
 pub(super) struct Synchronizer {
-    /// Maximum force of the loads, N.
+    /// Full-scale force of the loads to collect, N.
     full_scale: f64,
     untouched_pictures: Vec<Vec<ElementMoments>>,
     untouched: Option<Untouched>,
-    /// Time and load on the fingertip, in its frame, including the tare.
+    /// Time (s) and measured load on the fingertip, in its frame, before the tare is subtracted.
     loads: VecDeque<(f64, Wrench)>,
-    /// Mean load while nothing is touched.
+    /// Mean load measured while nothing touches the fingertip.
     tare: Wrench,
     /// Number of loads averaged in the initial tare.
     tared: u32,
-    /// Deviation of each image, while the delay is estimated.
+    /// Time and deviation of each image from the unloaded ones, while the delay is estimated.
     changes: Vec<Timed>,
     delay: Option<Delay>,
     /// Number of completed presses.
@@ -57,7 +58,7 @@ pub(super) struct Synchronizer {
 }
 
 impl Synchronizer {
-    /// Creates the state for loads up to `full_scale`, N.
+    /// Creates the state for loads up to `full_scale` (N).
     pub(super) fn new(full_scale: f64) -> Self {
         Self {
             full_scale,
@@ -87,12 +88,12 @@ impl Synchronizer {
         }
     }
 
-    /// Latency of images relative to forces, once it is known.
+    /// Latency of images relative to forces; `None` until it is estimated.
     pub(super) fn delay(&self) -> Option<Delay> {
         self.delay
     }
 
-    /// Adds a load (fingertip's frame) that was measured at the time `at`, s.
+    /// Adds a load (fingertip frame) measured at time `at` (s).
     pub(super) fn load(&mut self, at: f64, load: Wrench) {
         // Ignores loads that are not finite or out of order.
         let newest = self.loads.back().map(|&(newest, _)| newest);
@@ -116,7 +117,7 @@ impl Synchronizer {
         }
     }
 
-    /// Adds the moments of an image taken at the time `at` (s) and returns its use.
+    /// Adds the moments of an image taken at time `at` (s). Returns the stage that uses the image.
     pub(super) fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> Of {
         let Some(untouched) = &self.untouched else {
             self.untouched_pictures.push(moments.to_vec());
@@ -138,20 +139,20 @@ impl Synchronizer {
         Of::Presses
     }
 
-    /// Returns whether the loads needed for an image of the time `at` (s) have arrived.
+    /// Returns whether the loads needed for an image taken at time `at` (s) have arrived.
     pub(super) fn is_ready(&self, at: f64) -> bool {
         let needed = self.time_of_picture(at) + 0.5 * CHANGE_TIME;
         let newest = self.loads.back().map(|&(newest, _)| newest);
         self.stage() != Stage::Loads || newest.is_some_and(|newest| newest >= needed)
     }
 
-    /// Time of the load that is visible in an image of the time `at`, s.
+    /// Time (s) at which the load shown in an image taken at time `at` was measured.
     fn time_of_picture(&self, at: f64) -> f64 {
         at - self.delay.map_or(0.0, |delay| delay.seconds)
     }
 
-    /// Load without the tare that is visible in an image of the time `at` (s). `None` if it is unknown, or changes so
-    /// fast that the error of the delay matters.
+    /// Load shown in an image taken at time `at` (s), with the tare subtracted. `None` if it is unknown or changes too
+    /// fast for the accuracy of the delay.
     pub(super) fn load_of_picture(&self, at: f64) -> Option<Wrench> {
         let time = self.time_of_picture(at);
         let half = 0.5 * CHANGE_TIME;
@@ -162,7 +163,7 @@ impl Synchronizer {
         is_slow.then(|| load.without(self.tare))
     }
 
-    /// Load at `time`, if loads before and after it are known.
+    /// Load interpolated at `time`; `None` unless loads before and after it are known.
     fn load_at(&self, time: f64) -> Option<Wrench> {
         let after = self.loads.partition_point(|&(at, _)| at < time);
         let (from, start) = *self.loads.get(after.checked_sub(1)?)?;

@@ -7,20 +7,20 @@ use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec3;
 use std::fmt;
 
-/// Number of steps of compression up to full scale that must be covered.
+/// Number of equal steps of compression from zero to full scale; each step must be sampled.
 const STEPS: usize = 5;
-/// Directions of shear in the fingertip's frame, and the minimum forces of the two levels of shear in each direction,
-/// as fractions of full scale.
+/// Directions of shear in the fingertip frame, and the minimum forces of the two levels of shear in each direction, as
+/// fractions of full scale.
 const DIRECTIONS: [&str; 4] = ["+x", "-x", "+y", "-y"];
 const SHEARED: [f64; 2] = [0.3, 0.65];
-/// Number of rounds, and number of samples of each kind per round. Cross-validation leaves out a fifth of the time,
-/// and the remaining rounds must cover all kinds of loads.
+/// Number of rounds, and number of samples of each kind per round. Cross-validation holds out a fifth of the time; the
+/// remaining rounds must cover all kinds of loads.
 const ROUNDS: u32 = 5;
 const PER_ROUND: u32 = 4;
 /// Minimum time between samples, s; consecutive images show the same load.
 const APART: f64 = 0.1;
 
-/// Force (N) and torque (N m) on the fingertip by the object, in the fingertip's frame.
+/// Force (N) and torque (N m) on the fingertip by the object, in the fingertip frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
     /// Force, N.
@@ -35,7 +35,7 @@ impl Wrench {
         self.force.is_finite() && self.torque.is_finite()
     }
 
-    /// Interpolates towards `other` by the fraction `part`.
+    /// Interpolates linearly towards `other` by the fraction `part`.
     pub(super) fn towards(self, other: Self, part: f64) -> Self {
         Self {
             force: self.force + part * (other.force - self.force),
@@ -43,7 +43,7 @@ impl Wrench {
         }
     }
 
-    /// Difference of two wrenches.
+    /// Subtracts `other`.
     pub(super) fn without(self, other: Self) -> Self {
         Self {
             force: self.force - other.force,
@@ -52,7 +52,7 @@ impl Wrench {
     }
 }
 
-/// Numbers of samples of the whole fingertip, by kind.
+/// Numbers of samples of the whole fingertip by kind of load.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct WrenchCoverage {
     compressed: [u32; STEPS],
@@ -60,8 +60,8 @@ pub struct WrenchCoverage {
 }
 
 impl WrenchCoverage {
-    /// Counts a force on the fingertip, N, with z outward along its axis, so that pressing is negative. Returns
-    /// `false` if this round needs no more samples of its kind, or it is out of range.
+    /// Counts a sample with this force (N) on the fingertip, with z outward along its axis, so that pressing is
+    /// negative. Returns `false` if this round needs no more samples of its kind, or if the force is out of range.
     pub fn count(&mut self, force: DVec3, goal: &Goal) -> bool {
         let step = (-force.z / goal.normal * STEPS as f64).floor();
         if !(0.0..STEPS as f64).contains(&step) {
@@ -161,15 +161,15 @@ impl fmt::Display for WrenchMissing {
 /// Result of processing an image of the whole fingertip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SeenWrench {
-    /// An image of the untouched fingertip.
+    /// Image of the untouched fingertip. It contributes to the mean and noise of the unloaded elements.
     Untouched,
-    /// An image during the presses, or without contact.
+    /// Image taken during the presses or without contact. It yields no sample.
     Nothing,
     /// The load changes too fast or is unknown at the image's time.
     Unclear,
     /// The load exceeds the goal, is a pull, or enough samples of its kind are kept in this round.
     Enough(Wrench),
-    /// A new sample.
+    /// A new sample was taken.
     Sample(Wrench),
 }
 
@@ -185,7 +185,7 @@ pub struct LiveWrench {
 }
 
 impl LiveWrench {
-    /// Creates a calibration that continues from `coverage`, the samples already known.
+    /// Creates a calibration. `coverage` contains the samples already taken.
     pub fn new(goal: Goal, coverage: WrenchCoverage) -> Self {
         Self {
             synchronizer: Synchronizer::new(goal.normal),
@@ -200,7 +200,7 @@ impl LiveWrench {
         self.synchronizer.stage()
     }
 
-    /// Samples known.
+    /// Samples taken so far.
     pub fn coverage(&self) -> &WrenchCoverage {
         &self.coverage
     }
@@ -210,23 +210,23 @@ impl LiveWrench {
         &self.goal
     }
 
-    /// Latency of images relative to forces, once it is known.
+    /// Latency of images relative to forces; `None` until it is estimated.
     pub fn delay(&self) -> Option<Delay> {
         self.synchronizer.delay()
     }
 
-    /// Adds a wrench measured at the time `at`, s; z of the fingertip's frame is outward along its axis.
+    /// Adds a wrench measured at time `at` (s); z of the fingertip frame points outward along its axis.
     pub fn wrench(&mut self, at: f64, wrench: Wrench) {
         self.synchronizer.load(at, wrench);
     }
 
-    /// Returns whether the forces needed for an image of the time `at` (s) have arrived. They may arrive after the
-    /// image if the camera is as fast as the force sensor.
+    /// Returns whether the forces needed for an image taken at time `at` (s) have arrived. They may arrive later than
+    /// the image if the camera is as fast as the force sensor.
     pub fn is_ready(&self, at: f64) -> bool {
         self.synchronizer.is_ready(at)
     }
 
-    /// Adds the moments of an image taken at the time `at` (s).
+    /// Adds the moments of an image taken at time `at` (s).
     pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> SeenWrench {
         match self.synchronizer.picture(at, moments) {
             Of::Untouched => SeenWrench::Untouched,

@@ -1,4 +1,4 @@
-//! Checks the signs and axes of forces against growth and displacement.
+//! Checks the signs and axes of forces against the moments in the images.
 
 use super::{COLUMNS, CapturedImage, LoadCheckError, named, unloaded_mean};
 use crate::sensor::calibration::fit::ElementRecord;
@@ -9,16 +9,17 @@ use crate::sensor::wrench::recordings::recordings;
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 
-/// Minimum number of loads of an element to draw conclusions from.
+/// Minimum number of loads for an element to be checked.
 const MIN_LOADS: usize = 8;
-/// Minimum determinant of the correlations of `f_x`, `f_y` and `f_z`; below it, their effects cannot be separated.
+/// Minimum determinant of the correlation matrix of `f_x`, `f_y` and `f_z`; below it, their effects cannot be
+/// separated.
 const MIN_DETERMINANT: f64 = 0.05;
-/// Minimum fraction of an input's variance that the forces must explain.
+/// Minimum fraction of the variance of each input (gray-value growth, displacements) that the forces must explain.
 const MIN_EXPLAINED: f64 = 0.5;
-/// Minimum amount by which the standardized effects of other axes must exceed those of the given axes.
+/// Minimum margin by which other axes must explain the images better than the given axes, in standardized effects.
 const DECISIVE: f64 = 0.5;
 
-/// Column and sign of each of x, y and z, estimated from the images.
+/// Force column and its sign (`true` if negated) for each of x, y and z, estimated from the images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct SeenAxes([(usize, bool); 3]);
 
@@ -33,7 +34,7 @@ const ORDERS: [[usize; 3]; 6] = [
 ];
 
 impl SeenAxes {
-    /// The axes as given in the table.
+    /// Axes as given in the table.
     const GIVEN: Self = Self([(0, false), (1, false), (2, false)]);
 
     fn is_reordered(self) -> bool {
@@ -43,7 +44,7 @@ impl SeenAxes {
             .any(|(&(column, _), axis)| column != axis)
     }
 
-    /// Axes that convert the given forces to the expected ones.
+    /// Mapping from the given forces to forces with the estimated axes.
     fn converting(self) -> ForceAxes {
         ForceAxes::of_rows(self.0.map(|(column, is_negative)| {
             let axis = [DVec3::X, DVec3::Y, DVec3::Z][column];
@@ -51,7 +52,7 @@ impl SeenAxes {
         }))
     }
 
-    /// Describes what is wrong with the columns, and the likely cause.
+    /// Describes the error in the columns and its likely cause.
     fn what(self, f_z_is_negative: bool) -> String {
         if self.is_reordered() {
             let [x, y, z] = self.0.map(|(column, is_negative)| {
@@ -90,7 +91,8 @@ impl SeenAxes {
 
 /// Rejects loads whose signs or axes contradict the images of any element whose images determine them.
 ///
-/// Growth and displacement are regressed on the three forces. The axes that explain them best must be the given axes.
+/// Gray-value growth and displacement are regressed on the three forces. The axes that explain them best must be the
+/// given axes.
 ///
 /// # Errors
 /// Returns [`LoadCheckError::Axes`] with the columns, the number of elements and the likely cause.
@@ -211,7 +213,7 @@ fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
 }
 
 /// Least-squares effects of the forces (columns) on the inputs (rows), in standard deviations, and the explained
-/// fraction of each input's variance. Returns `None` if the forces do not vary independently.
+/// fraction of each input's variance. `None` if the forces do not vary independently.
 fn effects(loads: &[(DVec3, DVec3)]) -> Option<(DMat3, DVec3)> {
     let mean_square = |of: &dyn Fn(&(DVec3, DVec3)) -> DVec3| {
         let sum: DVec3 = loads.iter().map(|load| of(load) * of(load)).sum();

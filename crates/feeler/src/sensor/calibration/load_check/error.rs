@@ -2,10 +2,10 @@
 
 use crate::sensor::calibration::live::ForceAxes;
 
-/// Contradiction between loads and images.
+/// Error returned if loads contradict the images.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadCheckError {
-    /// Forces are too large or too small.
+    /// The forces are implausibly large or small.
     #[error(
         "the largest load on {what} is {largest} N; expected {low} to {high} N, as {reason}: are these {unit}?"
     )]
@@ -20,7 +20,7 @@ pub enum LoadCheckError {
         high: f64,
         /// Reason for the limit.
         reason: &'static str,
-        /// Likely unit of the numbers.
+        /// Unit in which the numbers probably are.
         unit: &'static str,
     },
     /// The loads of one element match the images of another.
@@ -32,11 +32,11 @@ pub enum LoadCheckError {
     Number {
         /// Index of the element in the loads.
         element: usize,
-        /// Correlation with the element's own growth.
+        /// Correlation of the loads with the gray value of the element itself.
         own: f64,
-        /// Index of the element whose growth matches the loads.
+        /// Index of the element whose gray value follows the loads.
         shown: usize,
-        /// Correlation with the growth of `shown`.
+        /// Correlation of the loads with the gray value of `shown`.
         other: f64,
     },
     /// The axes of the forces contradict the images.
@@ -45,17 +45,17 @@ pub enum LoadCheckError {
         recording.as_ref().map_or_else(String::new, |recording| format!("recording {recording:?}: "))
     )]
     Axes {
-        /// The affected recording, or `None` if all loads together are affected.
+        /// Name of the affected recording, or `None` if all loads together are affected.
         recording: Option<String>,
         /// Number of elements that show this contradiction.
         contradicted: usize,
-        /// Number of elements whose images determine the axes.
+        /// Number of elements whose images are sufficient to determine the axes.
         judged: usize,
         /// Index of the first affected element.
         first: usize,
         /// Description of the contradiction and its likely cause.
         what: String,
-        /// Axes that convert the forces, if most elements show the contradiction.
+        /// Mapping that corrects the forces, if most elements show the contradiction.
         axes: Option<Box<ForceAxes>>,
     },
     /// The unloaded images differ between recordings.
@@ -77,7 +77,7 @@ pub enum LoadCheckError {
          the zero of the force sensor has changed between them; zero it again or calibrate each separately"
     )]
     Offset {
-        /// The column.
+        /// Name of the force column.
         column: &'static str,
         /// Name of the first recording.
         one: String,
@@ -98,7 +98,7 @@ pub enum LoadCheckError {
         picture: String,
         /// Index of the element.
         element: usize,
-        /// The column.
+        /// Name of the force column.
         column: &'static str,
         /// Load as in the table, N.
         given: f64,
@@ -110,7 +110,7 @@ pub enum LoadCheckError {
 }
 
 impl LoadCheckError {
-    /// Attributes the error to a single recording. Drops the converting axes, which apply to all loads only.
+    /// Attributes the error to a single recording. Removes the correcting axes, because they apply to all loads only.
     pub(super) fn of_recording(mut self, name: String) -> Self {
         if let Self::Axes {
             recording, axes, ..

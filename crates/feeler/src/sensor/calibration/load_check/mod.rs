@@ -5,7 +5,7 @@
 //! spot grows when it is pressed and its centroid moves in the direction of shear:
 //!
 //! - [`check_magnitude`]: loads too large for a soft element or too small to show in an image;
-//! - [`check_numbers`]: loads of one element that the images show on another;
+//! - [`check_numbers`]: loads assigned to one element although the images show them on another;
 //! - [`check_axes`], [`check_axes_of_recordings`]: forces whose signs or axes contradict growth and displacement;
 //! - [`check_unloaded`], [`check_offsets`]: recordings with different zeros;
 //! - [`check_outliers`]: a single load that contradicts all others.
@@ -26,10 +26,10 @@ use super::loads::CapturedImage;
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec3;
 
-/// Names of the columns.
+/// Names of the force columns.
 const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
-/// Rejects `forces` (N) on `what` if the largest is outside `range`, which indicates another unit.
+/// Rejects forces (N) if the largest is outside `range`, which indicates another unit. `what` names the loaded object.
 ///
 /// # Errors
 /// Returns [`LoadCheckError::Magnitude`] with the largest force, the range and the likely unit.
@@ -61,7 +61,7 @@ fn to_three_digits(number: f64) -> f64 {
     format!("{number:.2e}").parse().unwrap_or(number)
 }
 
-/// Mean moments of an unloaded element, or `None` if it is dark or there is no unloaded image.
+/// Mean moments of an unloaded element; `None` if it is dark or there is no unloaded image.
 fn unloaded_mean<'a>(unloaded: impl Iterator<Item = &'a ElementMoments>) -> Option<ElementMoments> {
     let mut sum = ElementMoments::default();
     let mut count = 0.0;
@@ -79,7 +79,7 @@ fn unloaded_mean<'a>(unloaded: impl Iterator<Item = &'a ElementMoments>) -> Opti
     is_lit.then_some(mean)
 }
 
-/// Returns a recording's name, or "." for numbered images in the table's own folder.
+/// Returns the name of a recording for messages: "." for numbered images in the table's own folder.
 fn named(recording: &str) -> String {
     if recording.is_empty() {
         ".".into()

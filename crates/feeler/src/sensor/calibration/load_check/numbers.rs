@@ -1,15 +1,16 @@
-//! Checks the numbers of elements: the growth of an element must follow its own loads.
+//! Checks the element numbers of loads: an element's gray value must follow the loads assigned to it.
 
 use super::{CapturedImage, LoadCheckError};
 use glam::DVec3;
 
-/// Minimum number of loads of an element to draw conclusions from.
+/// Minimum number of loads for an element to be checked.
 const MIN_LOADS: usize = 8;
-/// Correlations of loads and growth above which an element counts as loaded, and below which it counts as not loaded.
+/// Limits of the correlation of loads and gray value: above the first an element counts as loaded, below the second as
+/// not loaded.
 const IS_LOADED: f64 = 0.8;
 const IS_NOT_LOADED: f64 = 0.4;
 
-/// Rejects the loads of an element if its growth does not follow them but that of another element does.
+/// Rejects loads assigned to the wrong element: its gray value does not follow them, but that of another element does.
 ///
 /// # Errors
 /// Returns [`LoadCheckError::Number`] with both elements.

@@ -1,4 +1,4 @@
-//! Compares the zeros of recordings.
+//! Checks that all recordings have the same zero.
 
 use super::{COLUMNS, CapturedImage, LoadCheckError, named, unloaded_mean};
 use crate::sensor::calibration::model::Calibration;
@@ -6,11 +6,11 @@ use crate::sensor::moments::kernel::ElementMoments;
 use crate::sensor::wrench::recordings::recordings;
 use glam::DVec3;
 
-/// Maximum difference of unloaded moments between two recordings (median over the elements), as a fraction of their
-/// range under load.
+/// Maximum difference of unloaded moments between two recordings (median over the elements), relative to their range
+/// under load.
 const LARGEST_OF_PICTURES: f64 = 0.1;
-/// Maximum difference of forces between two recordings, as a fraction of the full scale and as a multiple of the RMS
-/// error. If all of the error is due to two different zeros, their difference is twice the RMS error.
+/// Maximum difference of mean force errors between two recordings, as a fraction of full scale and as a multiple of the
+/// RMS error. If the error is entirely due to two different zeros, their difference is twice the RMS error.
 const LARGEST_OF_FORCES: f64 = 0.03;
 const LARGEST_OF_ERRORS: f64 = 1.5;
 
@@ -62,7 +62,8 @@ pub fn check_unloaded<'a>(
     Ok(())
 }
 
-/// Ranges of an element's gray value and centroid over all images in which it is loaded, or `None` if it never is.
+/// Ranges of an element's gray value and centroid over all images in which it is loaded; `None` if there are no such
+/// images.
 fn range(pictures: &[CapturedImage], element: usize) -> Option<[f64; 3]> {
     let loaded = pictures
         .iter()
@@ -78,7 +79,7 @@ fn values(moments: &ElementMoments) -> DVec3 {
     moments.centroid.extend(moments.integrated_gray)
 }
 
-/// Largest difference of two zeros as a fraction of the range, or `None` if the range is empty.
+/// Largest difference between two zeros, as a fraction of the range; `None` if the range is empty.
 fn share(one: &ElementMoments, other: &ElementMoments, range: &[f64; 3]) -> Option<f64> {
     let difference = (values(one) - values(other)).abs().to_array();
     let shares = difference
@@ -90,8 +91,8 @@ fn share(one: &ElementMoments, other: &ElementMoments, range: &[f64; 3]) -> Opti
         .reduce(f64::max)
 }
 
-/// Rejects recordings whose mean errors against the predictions of `calibration` differ by more than 3 % of the full
-/// scale, and by more than random errors explain.
+/// Rejects recordings whose mean errors against the predictions of `calibration` differ by more than 3 % of full scale
+/// and by more than random errors would.
 ///
 /// # Errors
 /// Returns [`LoadCheckError::Offset`] with column, recordings and difference.
@@ -150,7 +151,7 @@ pub fn check_offsets<'a>(
     Ok(())
 }
 
-/// Sums of force errors, N.
+/// Sums of force errors for their mean and RMS, N.
 #[derive(Debug, Clone, Copy, Default)]
 struct Errors {
     sum: DVec3,

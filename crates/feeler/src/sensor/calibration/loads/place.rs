@@ -6,7 +6,7 @@ use crate::sensor::image::seen::ProjectedElement;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// Position of an element as given in a row of a table.
+/// Element name and position as given in a row of the table.
 pub struct NamedPlace<'a> {
     pub line: u64,
     /// Name of the element; may be empty.
@@ -19,7 +19,7 @@ pub struct Places<'a> {
     seen: &'a [ProjectedElement],
     /// Maximum distance of a position from each element, px: half the distance to the nearest neighbour.
     limits: Vec<f64>,
-    /// Element of each name.
+    /// Index of the element with each name.
     elements: HashMap<String, usize>,
     names: Vec<Option<String>>,
 }
@@ -74,7 +74,8 @@ impl<'a> Places<'a> {
         Ok(nearest)
     }
 
-    /// Records the name of an element. Rejects a name of another element, and a second name for an element.
+    /// Stores the name of an element. Rejects a name already used for another element, and a second name for the same
+    /// element.
     fn note_name(&mut self, line: u64, name: &str, element: usize) -> Result<(), LoadsError> {
         if name.is_empty() {
             return Ok(());
@@ -99,7 +100,7 @@ impl<'a> Places<'a> {
         })
     }
 
-    /// Rotates a `force` from a frame whose x axis points along `x_angle` in the image to the frame of `element`.
+    /// Rotates `force` to the frame of `element`, from a frame whose x axis is at the angle `x_angle` in the image.
     pub fn turned(&self, element: usize, force: DVec3, x_angle: f64) -> DVec3 {
         let by = x_angle - self.seen[element].x_angle;
         direction_at(by).rotate(force.truncate()).extend(force.z)

@@ -31,7 +31,8 @@ impl RecordBuilder {
         }
     }
 
-    /// Adds the forces and the moments of all elements in one image. Elements beyond the shorter list are unknown.
+    /// Adds the forces and the moments of all elements in one image. If one list is shorter, the remaining elements are
+    /// ignored.
     pub fn add(&mut self, forces: &[Option<DVec3>], moments: &[ElementMoments]) {
         let mut picture = CapturedImage {
             forces: forces.to_vec(),
@@ -46,7 +47,7 @@ impl RecordBuilder {
         self.pictures.push(picture);
     }
 
-    /// The images, in the order in which they were added.
+    /// Images added so far, in order.
     pub fn pictures(&self) -> &[CapturedImage] {
         &self.pictures
     }
@@ -60,7 +61,7 @@ impl RecordBuilder {
     }
 }
 
-/// Returns loads and moments of each element in `pictures` of one fingertip.
+/// Returns the loads and moments of each element from `pictures` of one fingertip.
 pub fn records<'a>(pictures: impl IntoIterator<Item = &'a CapturedImage>) -> Vec<ElementRecord> {
     let mut records = Vec::new();
     for CapturedImage { forces, moments } in pictures {

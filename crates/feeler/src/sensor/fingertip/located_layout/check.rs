@@ -3,12 +3,12 @@
 use super::{DomeGeometry, LayoutError, LocatedLayout, MAX_LOCATED_ELEMENTS};
 use crate::sensor::fingertip::dome::DomeProjection;
 
-/// Maximum number of pixels along a side of an image, and in total.
+/// Maximum size of an image: px along a side, and number of pixels in total.
 const MAX_SIDE: usize = 1 << 14;
 const MAX_PIXELS: usize = 1 << 26;
 
 impl LocatedLayout {
-    /// Rejects a layout that cannot be used to compute moments.
+    /// Rejects a layout from which moments cannot be computed.
     pub(super) fn check(&self) -> Result<(), LayoutError> {
         let unusable = |name: &str, expected: &str, actual: String| {
             Err(LayoutError::Unusable {

@@ -45,12 +45,12 @@ pub enum LayoutError {
     OffDome {
         /// Index of the element.
         element: usize,
-        /// Column, px.
+        /// Column of the element's centre, px.
         column: f64,
-        /// Row, px.
+        /// Row of the element's centre, px.
         row: f64,
     },
-    /// Moments cannot be computed.
+    /// The moments of the layout cannot be computed.
     #[error(transparent)]
     Moments(#[from] MomentsError),
 }

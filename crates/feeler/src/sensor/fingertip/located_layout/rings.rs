@@ -4,7 +4,8 @@ use super::ElementPlace;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Sorts by ring and azimuth. A new ring starts at an increase of the polar angle by a third of the typical spacing.
+/// Sorts elements by ring and azimuth. A new ring starts if the polar angle increases by more than a third of the
+/// typical spacing.
 pub(super) fn sort_into_rings(elements: &mut [ElementPlace]) {
     let axis = |e: &ElementPlace| e.direction.unwrap_or(DVec3::X);
     let polar = |e: &ElementPlace| libm::acos(axis(e).x.clamp(-1.0, 1.0));

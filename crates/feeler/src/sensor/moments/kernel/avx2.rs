@@ -1,6 +1,6 @@
 //! Sums of a tile with AVX2 of x86-64, 32 pixels per instruction.
 //!
-//! AVX2 multiplies bytes and adds neighbours to 16 bits, and once more to 32 bits. Rows are first summed in 16 bits,
+//! AVX2 multiplies bytes and adds adjacent products to 16 bits, and those to 32 bits. Rows are first summed in 16 bits,
 //! where twice as many numbers fit into a vector. With `p` the outer and `q` the inner pixel of each half of a strip,
 //! the sums are
 //!
@@ -24,8 +24,8 @@ use std::arch::x86_64::*;
 /// Number of strips in a vector: half a tile.
 const LANES: usize = 8;
 
-/// Correction of the sum of two 16-bit accumulators, which start at the minimum of their type so that 64 rows of up to 1020
-/// fit.
+/// Offset of the sum of two 16-bit accumulators, which start at the minimum of their type so that the sum of 64 rows of
+/// up to 1020 does not overflow.
 const TOO_FEW: i32 = 1 << 16;
 
 /// Computes the moments of all elements.
@@ -51,7 +51,7 @@ pub(super) fn all_moments(
     });
 }
 
-/// Sums of the strips of one half, stored in `N` bands, over the rows from `first` on.
+/// Sums of the strips in one half of the tile, stored in `N` bands, over the rows from `first` on.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn half_sums<const N: usize, const WIDE: usize>(
@@ -102,7 +102,7 @@ fn half_sums<const N: usize, const WIDE: usize>(
     [a0, a1, a2, a3, b0, b1, b2, c0, c1, d0]
 }
 
-/// Loads the 32 pixels of a row from one or two parts.
+/// Loads the 32 pixels of a row, which are stored in one or two parts.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn side_by_side<const N: usize, const WIDE: usize>(parts: [&[u8; WIDE]; N]) -> __m256i {

@@ -7,7 +7,7 @@ use super::{
 };
 use std::arch::x86_64::*;
 
-/// [`ACROSS`] with the factors of a strip's pixels packed into the bytes of one integer.
+/// Factors of [`ACROSS`]; those of a strip's pixels are packed into the bytes of one integer.
 const FACTORS: [i32; 4] = {
     let mut packed = [0; 4];
     let mut power = 0;
@@ -91,7 +91,7 @@ fn add_tile<const N: usize, const WIDE: usize>(
     }
 }
 
-/// Loads the 64 pixels of a row from one, two or four parts.
+/// Loads the 64 pixels of a row, which are stored in one, two or four parts.
 #[inline]
 #[target_feature(enable = "avx512f")]
 fn side_by_side<const N: usize, const WIDE: usize>(parts: [&[u8; WIDE]; N]) -> __m512i {

@@ -1,8 +1,8 @@
 //! Divides a sub-region into tiles and fits their weights.
 //!
-//! A tile is as tall as possible with every pixel's weights within [`TOLERANCE`]. A tile of one row reproduces any
-//! weights exactly, as four pixels have four sums. If every pixel's area is within the tolerance, so is every `G`,
-//! and the error of a centroid is at most twice the tolerance times the sub-region's radius, for any image.
+//! A tile is as tall as possible while the error of every pixel's weights is within [`TOLERANCE`]. A tile of one row
+//! reproduces any weights exactly, as four pixels have four sums. If every pixel's area is within the tolerance, so is
+//! every `G`, and the error of a centroid is at most twice the tolerance times the sub-region's radius, for any image.
 
 use super::tile::{
     QUARTER_WIDTH, QUARTERS, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, Tile, TileWeights,
@@ -15,32 +15,33 @@ use std::ops::Range;
 /// the distance of the farthest pixel.
 const TOLERANCE: f64 = 3e-5;
 
-/// Fraction of the tolerance at which a fit is good enough; further sums would mostly cancel each other.
+/// Fraction of the tolerance below which no further sums are added to a fit, because they would mostly cancel each
+/// other.
 const GOOD_ENOUGH: f64 = 0.125;
 
-/// Rounding error per term, relative to it: of the weight, its product with a sum, and the total, as `f32`.
+/// Relative rounding error of each term in `f32`: of the weight, its product with a sum, and the total.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 2.0;
 
-/// Minimum number of rows that folding must save to outweigh the additional strips.
+/// Minimum number of rows that folding must save to compensate for the additional strips.
 const MIN_SAVED: usize = 8;
 
-/// Sums in order of the degree of their polynomial, the smoothest first.
+/// Order in which sums are added to a fit: by increasing degree of their polynomial.
 const BY_DEGREE: [usize; SUMS] = [0, 1, 4, 2, 5, 7, 3, 6, 8, 9];
 
-/// Maximum relative remainder of a sum that is considered linearly dependent on the previous ones.
+/// Relative remainder below which a sum counts as linearly dependent on the previous ones.
 const INDEPENDENT: f64 = 1e-9;
 
-/// Tiles built so far for the sub-regions.
+/// Tiles created so far for the sub-regions.
 #[derive(Debug, Default)]
 pub(super) struct Tiling {
-    /// Tiles.
     pub tiles: Vec<Tile>,
     /// Bit mask of the pixels that belong to the sub-region, for each row of each tile; the first pixel is the lowest
     /// bit.
     pub masks: Vec<u64>,
 }
 
-/// A pixel of a strip: its contribution to the sums per gray level, and its target weights.
+/// Target of the fit for one pixel of a strip: its contribution to the sums per gray level, and the weights that it
+/// must get.
 struct Target {
     sums: [f64; SUMS],
     weights: [f64; WEIGHTS],
@@ -48,7 +49,7 @@ struct Target {
 }
 
 impl Tiling {
-    /// Adds the tiles of a sub-region in images of `width` columns.
+    /// Divides a sub-region of an image with `width` columns into tiles and adds them.
     pub(super) fn add(&mut self, region: &[WeightedPixel], width: usize) {
         let mut pixels = region.to_vec();
         pixels.sort_by_key(|pixel| (pixel.row, pixel.column));
@@ -73,8 +74,8 @@ impl Tiling {
         }
     }
 
-    /// Adds the tiles of `pixels`, which are sorted by row and all within `columns`. The number of columns is that of
-    /// a tile, or a half or a quarter of it.
+    /// Adds the tiles that cover `pixels`, which are sorted by row and all within `columns`. The number of columns is
+    /// that of a tile, or a half or a quarter of it.
     fn add_column(
         &mut self,
         pixels: &[WeightedPixel],
@@ -138,7 +139,7 @@ struct InTile {
     pixel: WeightedPixel,
 }
 
-/// Number of bands into which a piece with this number of columns and rows is folded.
+/// Number of bands into which a piece of this number of columns and rows is folded.
 fn bands(columns: usize, rows: usize) -> usize {
     let bands = TILE_WIDTH / columns;
     match rows - rows.div_ceil(bands) {
@@ -147,8 +148,8 @@ fn bands(columns: usize, rows: usize) -> usize {
     }
 }
 
-/// Fits the weights of a tile's sums, or returns `None` if they do not match the weights of its `pixels` within the
-/// tolerance and the tile has several rows and can be split.
+/// Fits the weights of a tile's sums. `None` if they do not reproduce the weights of the `pixels` within the tolerance
+/// and the tile can be split because it has several rows.
 fn fit(pixels: &[InTile], rows: usize, reach: f64) -> Option<TileWeights> {
     let mut tile = TileWeights([[[0.0; STRIPS]; SUMS]; WEIGHTS]);
     for strip in 0..STRIPS {
@@ -173,7 +174,7 @@ fn fit(pixels: &[InTile], rows: usize, reach: f64) -> Option<TileWeights> {
     Some(tile)
 }
 
-/// Returns whether the weights of a pixel's sums give its target weights within the tolerance, including rounding.
+/// Returns whether the fitted weights reproduce the target weights of a pixel within the tolerance, including rounding.
 fn met(target: &Target, weights: &[[f64; SUMS]; WEIGHTS]) -> bool {
     (0..WEIGHTS).all(|index| {
         let terms = weights[index]
@@ -190,13 +191,14 @@ fn met(target: &Target, weights: &[[f64; SUMS]; WEIGHTS]) -> bool {
 
 /// A linear combination of a strip's sums.
 struct Direction {
-    /// Value for each target; normalized, and orthogonal to all other directions.
+    /// Value of the combination at each target. The vector is normalized and orthogonal to those of all other
+    /// directions.
     values: Vec<f64>,
     /// Coefficients of the linear combination, one per sum.
     combination: [f64; SUMS],
 }
 
-/// Weights of the sums that best approximate the weights of all targets, with as few sums as necessary.
+/// Weights of the sums that best approximate the weights of all targets, using as few sums as necessary.
 fn least_squares(targets: &[Target]) -> [[f64; SUMS]; WEIGHTS] {
     let directions = directions(targets);
     std::array::from_fn(|index| {
@@ -217,7 +219,7 @@ fn least_squares(targets: &[Target]) -> [[f64; SUMS]; WEIGHTS] {
     })
 }
 
-/// Gram-Schmidt orthogonalization; linearly dependent sums are omitted.
+/// Orthogonalizes the sums (Gram-Schmidt); linearly dependent sums are omitted.
 fn directions(targets: &[Target]) -> Vec<Direction> {
     let mut directions: Vec<Direction> = Vec::with_capacity(SUMS);
     for sum in BY_DEGREE {

@@ -1,4 +1,4 @@
-//! Instruction sets for computing moments.
+//! Processor instruction sets for computing moments.
 
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
 use super::neon;
@@ -6,7 +6,7 @@ use super::{ElementMoments, MomentsKernel, portable};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512, sse2};
 
-/// An implementation of the moments for certain processors. All give bit-identical moments.
+/// Implementation of the moments for an instruction set. All give bit-identical moments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Instructions {
@@ -23,7 +23,7 @@ pub enum Instructions {
 }
 
 impl Instructions {
-    /// All instruction sets that this processor has, the fastest first.
+    /// Instruction sets available on this processor, the fastest first.
     pub fn available() -> impl Iterator<Item = Self> {
         let all = [
             Self::Avx512Vnni,
@@ -36,12 +36,12 @@ impl Instructions {
             .filter(|instructions| instructions.are_available())
     }
 
-    /// The fastest instruction set that this processor has.
+    /// Fastest instruction set available on this processor.
     pub fn fastest() -> Self {
         Self::available().next().unwrap_or(Self::Portable)
     }
 
-    /// Returns whether this processor has the instructions.
+    /// Returns whether the instruction set is available on this processor.
     pub fn are_available(self) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -61,8 +61,8 @@ impl Instructions {
         }
     }
 
-    /// Computes the moments of all elements in `pixels` while prefetching `next`. Surplus elements are ignored. If
-    /// the processor lacks the instructions, the portable implementation is used.
+    /// Computes the moments of all elements in `pixels` while prefetching `next`. Excess `moments` are ignored. If the
+    /// processor lacks the instructions, the portable implementation is used.
     pub(super) fn measure(
         self,
         kernel: &MomentsKernel,

@@ -1,7 +1,7 @@
 //! Sums of a tile with NEON, which every 64-bit ARM processor has, 16 pixels per instruction.
 //!
-//! NEON adds neighbours, or values shifted to the right, to a sum with twice the bits in one instruction, but without
-//! factors. For each strip `p q r s` these values are summed:
+//! NEON adds adjacent values, or values shifted to the right, to a sum of twice the width in one instruction, but
+//! without factors. For each strip `p q r s` these values are summed:
 //!
 //! ```text
 //! a = p + q + r + s      t = r + s      h = q + s      s
@@ -41,7 +41,7 @@ pub(super) fn all_moments(
     });
 }
 
-/// Sums of the strips of one quarter over the rows from `first` on.
+/// Sums of the strips in one quarter of the tile, over the rows from `first` on.
 #[inline]
 #[target_feature(enable = "neon")]
 fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [int32x4_t; SUMS] {

@@ -11,8 +11,8 @@ const LANES: usize = STRIPS / QUARTERS;
 
 /// Computes the moments of all elements.
 ///
-/// The background is subtracted from all rows of a tile before they are summed. In one loop, the compiler would
-/// process the pixels one by one.
+/// The background is subtracted from all rows of a tile before they are summed. In a combined loop, the compiler would
+/// not vectorize.
 pub(super) fn all_moments(
     kernel: &MomentsKernel,
     pixels: &[u8],
@@ -32,7 +32,7 @@ pub(super) fn all_moments(
     });
 }
 
-/// Subtracts the background from the pixels of a tile; pixels outside the sub-region give 0.
+/// Computes gray levels above the background for the pixels of a tile; 0 for pixels outside the sub-region.
 #[inline(always)]
 fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
     for quarter in 0..QUARTERS {
@@ -70,7 +70,7 @@ fn add_quarter(
     }
 }
 
-/// Sums of the strips of one quarter.
+/// Sums of the strips in one quarter of the tile.
 #[inline(always)]
 fn quarter_sums(rows: &[Row], quarter: usize) -> [[i32; LANES]; SUMS] {
     let zero = [0; LANES];

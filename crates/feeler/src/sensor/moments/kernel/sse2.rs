@@ -1,7 +1,7 @@
 //! Sums of a tile with SSE2, which every x86-64 processor has, 16 pixels per instruction.
 //!
-//! SSE2 has no product of bytes. The even and the odd pixels of each strip are therefore summed over the rows in 16
-//! bits each, and multiplied by their factors across the strip (`tile`) when they are added to 32 bits.
+//! SSE2 cannot multiply bytes. The even and the odd pixels of each strip are therefore summed over the rows in 16 bits
+//! each, and multiplied by their factors (`tile`) when added to 32 bits.
 
 use super::{
     ElementMoments, MomentsKernel,
@@ -13,7 +13,7 @@ use std::arch::x86_64::*;
 /// Number of strips in a vector: a quarter of a tile.
 const LANES: usize = 4;
 
-/// Factors of the pixels `first` and `first + 2` of a strip, as two 16-bit numbers.
+/// Factors of the pixels `first` and `first + 2` of a strip, packed as two 16-bit numbers.
 const fn factors(power: usize, first: usize) -> i32 {
     let [left, right] = [ACROSS[power][first] as i32, ACROSS[power][first + 2] as i32];
     (right << 16) | (left & 0xffff)
@@ -37,7 +37,7 @@ pub(super) fn all_moments(
     });
 }
 
-/// Sums of the strips of one quarter over the rows from `first` on.
+/// Sums of the strips in one quarter of the tile, over the rows from `first` on.
 #[inline]
 #[target_feature(enable = "sse2")]
 fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [__m128i; SUMS] {

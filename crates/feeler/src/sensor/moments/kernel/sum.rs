@@ -11,31 +11,31 @@ use super::{
 };
 use glam::DVec2;
 
-/// Start of each quarter of a contiguous row.
+/// Column at which each quarter of a tile's row starts, if the row is contiguous.
 const SIDE_BY_SIDE: [usize; QUARTERS] = [0, QUARTER_WIDTH, 2 * QUARTER_WIDTH, 3 * QUARTER_WIDTH];
 
-/// Rows of one tile in an image.
+/// Rows of one tile, as views into an image.
 // Implementations with narrow vectors need neither `bands` nor `level`.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TileRows<'a> {
-    /// Pixels that include at least those from the first row's first to the last row's last.
+    /// Slice of the image that contains all rows.
     pixels: &'a [u8],
-    /// Distance between the starts of consecutive rows.
+    /// Number of pixels from the start of a row to that of the next.
     stride: usize,
-    /// Start of each quarter of the columns.
+    /// Offset in `pixels` of the first pixel of each quarter of the columns.
     quarters: [usize; QUARTERS],
-    /// Number of bands.
+    /// Number of bands side by side.
     pub bands: usize,
-    /// Bit mask of the pixels of each row that count; the first pixel is the lowest bit.
+    /// Bit mask of the pixels in each row that belong to the sub-region; the first pixel is the lowest bit.
     masks: &'a [u64],
-    /// Background of each pixel, such that pixels that do not count contribute zero.
+    /// Background level of each pixel. Pixels outside the sub-region have a level at which they contribute zero.
     backgrounds: &'a [Row],
-    /// First row with pixels that count, for each quarter of the columns.
+    /// First row with pixels of the sub-region, for each quarter of the columns.
     pub first_rows: [usize; QUARTERS],
-    /// Grey level of the background of the pixels that count.
+    /// Background gray level of the pixels in the sub-region.
     pub level: u8,
-    /// `true` if pixels darker than the background count, `false` if brighter ones do.
+    /// `true` if pixels darker than the background contribute, `false` if brighter ones do.
     pub dark: bool,
 }
 
@@ -46,9 +46,9 @@ impl<'a> TileRows<'a> {
         self.masks.len()
     }
 
-    /// Iterates over the rows from `first` on, each as `N` parts of `WIDE` pixels with the row's item of `of_rows`.
-    /// Each part lies within one band; the parts are adjacent, starting at `column`, which must be the start of a
-    /// quarter.
+    /// Iterates over the rows from `first` on. Each row is given as `N` parts of `WIDE` pixels, with its item of
+    /// `of_rows`. Each part lies within one band; the parts are adjacent and start at `column`, which must be the start
+    /// of a quarter.
     #[inline(always)]
     fn rows_with<const N: usize, const WIDE: usize, R>(
         &self,
@@ -76,7 +76,7 @@ impl<'a> TileRows<'a> {
         })
     }
 
-    /// Iterates like [`Self::rows_with`], with the background of each row.
+    /// Like [`Self::rows_with`], with the background of each row.
     #[inline(always)]
     pub(super) fn with_background<const N: usize, const WIDE: usize>(
         &self,
@@ -86,7 +86,7 @@ impl<'a> TileRows<'a> {
         self.rows_with(column, first, self.backgrounds)
     }
 
-    /// Iterates over all parts of each row, with the bit mask of the pixels that count.
+    /// Iterates over all rows, each with the bit mask of the pixels in the sub-region.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(super) fn with_masks<const N: usize, const WIDE: usize>(
@@ -96,8 +96,8 @@ impl<'a> TileRows<'a> {
     }
 }
 
-/// Copies the rows of a tile that is not completely within the image, or within an image narrower than a tile. The
-/// rows of the copy are contiguous, with bands side by side. Only pixels excluded by the masks are missing.
+/// Copies the rows of a tile that is partly outside the image or in an image narrower than a tile. The rows of the copy
+/// are contiguous, with bands side by side. Only pixels excluded by the masks are missing.
 #[cold]
 #[inline(never)]
 fn copied<'a>(
@@ -119,13 +119,13 @@ fn copied<'a>(
     copy.as_flattened()
 }
 
-/// Weighted sums of each strip, which add up to the moments.
+/// Weighted sums of each strip; their total over all strips gives the moments.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Totals(pub [[f32; STRIPS]; WEIGHTS]);
 
-/// Computes the moments of all elements, using `add_tile` to add each tile's contribution to the totals. Prefetches
-/// the same pixels of `next` tile by tile.
+/// Computes the moments of all elements, using `add_tile` to add each tile's contribution to the totals. Prefetches the
+/// same pixels of the image `next`, tile by tile.
 #[inline(always)]
 pub(super) fn all_elements(
     kernel: &MomentsKernel,
@@ -170,9 +170,9 @@ pub(super) fn all_elements(
     }
 }
 
-/// Prefetches a tile's pixels of the `next` image, if any, while the processor works on the current image. The
-/// hardware prefetcher cannot predict the distant rows of a tile. The second-level cache is used because it accepts
-/// many more pending requests than the first-level cache.
+/// Prefetches a tile's pixels in the image `next`, if any, while the current image is processed. The hardware
+/// prefetcher cannot predict the distant rows of a tile. The second-level cache is used because it accepts many more
+/// pending requests than the first-level cache.
 #[inline(always)]
 fn fetch(next: &[u8], tile: &Tile, width: usize) {
     // A control loop has no next image and must not be slowed down.
@@ -191,7 +191,7 @@ fn fetch(next: &[u8], tile: &Tile, width: usize) {
     }
 }
 
-/// Prefetches the cache line of `byte`, if the processor has an instruction for it.
+/// Prefetches the cache line that contains `byte`, if the processor supports it.
 #[inline(always)]
 fn prefetch(byte: &u8) {
     #[cfg(target_arch = "x86_64")]
@@ -204,7 +204,7 @@ fn prefetch(byte: &u8) {
     let _ = byte;
 }
 
-/// Sum of all strips, by pairwise addition of halves.
+/// Sum over all strips, by pairwise addition of halves.
 #[inline(always)]
 fn total(strips: &[f32; STRIPS]) -> f64 {
     let mut sums = [0.0; STRIPS];

@@ -1,7 +1,7 @@
 //! A tile: a piece of a sub-region with smooth weights, of at most 64x64 px.
 //!
 //! A piece of at most a half or a quarter of this width is folded: its rows are divided into two or four bands, which
-//! are placed side by side in the tile, so that the tile has correspondingly fewer rows.
+//! are placed side by side in the tile. The tile then has correspondingly fewer rows.
 //!
 //! A tile consists of sixteen strips side by side, each [`STRIP`] px wide. The sums of a strip are integers, so the
 //! order of summation does not matter. With `g` the pixel above the dark level, `k` its position across the strip and
@@ -36,25 +36,25 @@ pub(super) const QUARTERS: usize = 4;
 /// Columns of a quarter, px.
 pub(super) const QUARTER_WIDTH: usize = TILE_WIDTH / QUARTERS;
 
-/// Number of sums of a strip.
+/// Number of sums per strip.
 pub(super) const SUMS: usize = 10;
 
-/// Factors of a strip's pixels, one row for each power of the position across the strip.
+/// Factors of the pixels across a strip: one row of four factors for each power of the position.
 pub(super) const ACROSS: [[i8; STRIP]; 4] =
     [[1, 1, 1, 1], [-3, -1, 1, 3], [1, -1, -1, 1], [-1, 3, -3, 1]];
 
-/// Number of powers of the row that are summed, for each row of [`ACROSS`].
+/// Number of powers of the row index that are summed with each row of [`ACROSS`].
 pub(super) const ROW_POWERS: [usize; 4] = [4, 3, 2, 1];
 
-/// Number of quantities from which moments are computed: gray, gray times x, gray times y.
+/// Number of quantities from which moments are computed: gray value, gray value times x, gray value times y.
 pub(super) const WEIGHTS: usize = 3;
 
-/// Weights of each strip's sums in gray, gray times x and gray times y.
+/// Weights of each strip's sums in the quantities gray value, gray value times x, gray value times y.
 #[derive(Debug, Clone, PartialEq)]
 #[repr(align(64))]
 pub(super) struct TileWeights(pub [[[f32; STRIPS]; SUMS]; WEIGHTS]);
 
-/// One byte per pixel of a tile's row.
+/// One byte for each pixel in a row of a tile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Row(pub [u8; TILE_WIDTH]);
@@ -64,9 +64,9 @@ pub(super) struct Row(pub [u8; TILE_WIDTH]);
 pub(super) struct Tile {
     /// Index of the tile's first pixel in the image.
     pub offset: usize,
-    /// Index of its first row's mask among the kernel's masks.
+    /// Index in the kernel's masks of the mask of the tile's first row.
     pub first_mask: usize,
-    /// Number of rows.
+    /// Number of rows of the tile.
     pub rows: usize,
     /// Number of bands side by side.
     pub bands: usize,
@@ -75,20 +75,20 @@ pub(super) struct Tile {
     /// First row with pixels of the sub-region, for each quarter of the columns; `rows` if it has none. Earlier
     /// rows contribute nothing to the quarter's sums.
     pub first_rows: [usize; QUARTERS],
-    /// Weights of the sums.
+    /// Weights of the strips' sums.
     pub weights: TileWeights,
 }
 
 impl Tile {
-    /// Index in an image of `width` columns of the pixel at `row` and `column` of the tile.
+    /// Index of the pixel at `row` and `column` of the tile, in an image of `width` columns.
     pub fn pixel(&self, row: usize, column: usize, width: usize) -> usize {
         let (quarter, column) = (column / QUARTER_WIDTH, column % QUARTER_WIDTH);
         self.offset + self.quarters[quarter] + row * width + column
     }
 }
 
-/// Sums of a single pixel of gray value 1, `across` px from its strip's left edge, at row `m` counted from the tile's
-/// last row, which is 1.
+/// Contribution to a strip's sums of a single pixel of gray value 1, `across` px from the strip's left edge, in row
+/// `m`. Rows are counted upwards from the tile's last row, which is 1.
 pub(super) fn basis(across: usize, m: usize) -> [f64; SUMS] {
     let m = m as f64;
     let powers = [1.0, m, m * (m + 1.0) / 2.0, m * (m + 1.0) * (m + 2.0) / 6.0];

@@ -9,11 +9,11 @@ use crate::sensor::wrench::basis::{Basis, MAX_FEATURE, zero_if_nan};
 use crate::sensor::wrench::calibration::check_count;
 use serde::{Deserialize, Serialize};
 
-/// Magnitude at which the square of a standardised feature saturates. Squares model curvature within the calibrated
-/// range; beyond it they would diverge.
+/// Value at which the square of a standardised feature saturates. Squares model curvature within the calibrated range;
+/// beyond it they would diverge.
 const FARTHEST_SQUARED: f64 = 4.0;
 
-/// Statistics of the elements of a camera's sensor.
+/// Reference and statistics of each element of a camera's sensor.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct MomentBasis(pub Vec<ElementStandard>);
@@ -100,14 +100,14 @@ impl Basis for MomentBasis {
         candidates.chain(of_modes).collect()
     }
 
-    /// Overall brightness drifts with the lamp.
+    /// Returns `true` if only `terms` depends on the overall brightness, which drifts with the lamp.
     fn is_doubtful(terms: Terms, other: Terms) -> bool {
         terms.growth == Growth::Plain && other.growth != Growth::Plain
     }
 
-    /// Growth and displacement of each element, independently of the terms of the components. Under an unusual load,
-    /// spots may brighten as usual but move differently. Overall brightness is included if a component depends on it,
-    /// or if there are too few elements to separate it from growth.
+    /// Uses growth and displacement of each element, independently of the terms of the components, because under an
+    /// unusual load, spots may brighten as usual but move differently. Includes overall brightness if a component
+    /// depends on it, or if there are too few elements to separate it from growth.
     fn novelty_terms(&self, chosen: &[Terms]) -> Terms {
         let plain = chosen.iter().any(|terms| terms.growth == Growth::Plain);
         Terms {
@@ -146,7 +146,7 @@ impl Basis for MomentBasis {
         orders * terms.kinds().count() * self.0.len() + modes::term_count(modes)
     }
 
-    /// In this order: for each element its features, then their squares; then the modes and their products.
+    /// Order of the terms: for each element its features, then their squares; then the modes and their products.
     fn terms<'a>(&'a self, terms: Terms, features: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let (features, modes) = features.split_at(PER_ELEMENT * self.0.len());
         let modes = if terms.modes { modes } else { &[] };
@@ -179,18 +179,18 @@ impl Basis for MomentBasis {
 }
 
 impl MomentBasis {
-    /// Number of modes.
+    /// Number of modes of deformation.
     fn modes(&self) -> usize {
         self.0.first().map_or(0, |standard| standard.loadings.len())
     }
 
-    /// Number of elements in use.
+    /// Number of elements that are used.
     fn used(&self) -> usize {
         self.0.iter().filter(|standard| standard.used).count()
     }
 }
 
-/// Square of a standardised feature, centred and scaled as for a normal distribution.
+/// Square of a standardised feature, scaled to mean 0 and variance 1 for a normally distributed feature.
 fn square(feature: f64) -> f64 {
     if feature.is_nan() {
         return 0.0;

@@ -1,7 +1,7 @@
 //! Regression features: standardised growth and displacement of every element.
 //!
 //! Features are relative to each element's mean over the images of the calibration, so that no unloaded image is
-//! needed; the intercept absorbs the difference:
+//! needed; the intercept compensates for the difference:
 //!
 //! ```text
 //! growth         G/G_0 / m - 1      m = mean of G/G_0 over the elements: the image's common gain
@@ -12,7 +12,7 @@
 //! The displacement field is also described by a few modes of deformation (`modes`); the modes and their products are
 //! candidate features.
 //!
-//! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
+//! A dimming lamp changes `m` but not the growth, in which a global gain cancels. Only plain growth is affected.
 
 mod basis;
 mod modes;
@@ -26,21 +26,21 @@ use crate::sensor::image::exposure::Exposure;
 use crate::sensor::moments::kernel::ElementMoments;
 use serde::{Deserialize, Serialize};
 
-/// Number of features of one element: growth without common gain, plain growth, displacement along x and along y.
+/// Number of features of one element: growth, plain growth, displacement along x and along y.
 pub const PER_ELEMENT: usize = 4;
 
 /// Minimum number of elements required to separate a common gain from the loads.
 pub const MIN_FOR_GAIN: usize = 4;
 
-/// Definition of growth.
+/// Definition of an element's growth (relative change of its integrated gray value).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Growth {
     /// Growth is not used.
     Ignored,
-    /// Relative to the common gain of the image: a dimming lamp has no effect.
+    /// Relative to the common gain of the image, so that a dimming lamp has no effect.
     GainFree,
-    /// Absolute: overall brightness counts, and a dimming lamp looks like a force.
+    /// Not corrected for the common gain: a dimming lamp affects it like a force.
     Plain,
 }
 
@@ -48,13 +48,13 @@ pub enum Growth {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Terms {
-    /// Use of each element's growth.
+    /// Growth feature of each element.
     pub growth: Growth,
-    /// Use the displacement of each element.
+    /// `true` to use the displacement of each element.
     pub displacement: bool,
-    /// Also use the squares of these features.
+    /// `true` to also use the squares of these features.
     pub squares: bool,
-    /// Use the modes of the displacement field and the products of all pairs of modes.
+    /// `true` to use the modes of the displacement field and the products of all pairs of modes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub modes: bool,
 }
@@ -72,7 +72,7 @@ impl Terms {
     }
 }
 
-/// Returns the moments of a reading, or `None` if they cannot be used.
+/// Returns the moments of a reading; `None` if the element is dark or saturated.
 pub fn usable(reading: &ElementReading) -> Option<ElementMoments> {
     let good = reading.exposure == Exposure::Good && reading.integrated_gray.is_finite();
     let centroid = reading

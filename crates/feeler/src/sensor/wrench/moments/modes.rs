@@ -9,8 +9,8 @@
 //! t_k = g d_k · (u - mean u) / sqrt(s_k)
 //! ```
 //!
-//! The square root is between no standardisation, which leaves weak modes unused, and full standardisation, which
-//! amplifies their noise. The variance of a mode is 1 on average.
+//! The square root is a compromise between no standardisation, which leaves weak modes unused, and full
+//! standardisation, which amplifies their noise. The variance of a mode is 1 on average.
 
 use super::standard::ElementStandard;
 use crate::sensor::moments::kernel::ElementMoments;
@@ -18,13 +18,13 @@ use crate::sensor::wrench::novelty::{Direction, principal};
 use glam::DVec2;
 use nalgebra::DMatrix;
 
-/// Maximum number of modes. Chosen on sheared contacts of a TacTip; 12 are too few there, and 30 no better.
+/// Maximum number of modes. Chosen on sheared contacts of a TacTip, for which 12 are too few and 30 no better.
 const MAX_MODES: usize = 20;
 
-/// Maximum number of images from which modes are computed, evenly spread.
+/// Maximum number of images, evenly spread, from which modes are computed.
 const MAX_ROWS: usize = 400;
 
-/// Sets the modes of `standards` from the moments in the images of the calibration.
+/// Computes the modes from the images of the calibration, and stores them in `standards`.
 pub(super) fn add_modes(
     standards: &mut [ElementStandard],
     pictures: &[&Vec<Option<ElementMoments>>],
@@ -57,7 +57,7 @@ pub(super) fn add_modes(
     }
 }
 
-/// Fills `modes` with the modes of an image.
+/// Fills `modes` with the values of the modes in an image.
 pub(super) fn fill_modes(
     standards: &[ElementStandard],
     seen: &[Option<ElementMoments>],
@@ -72,8 +72,8 @@ pub(super) fn fill_modes(
     }
 }
 
-/// The modes, followed by the products of all pairs. Products of different modes are multiplied by √2, so that they vary as
-/// much as squares.
+/// The modes, then the products of all pairs. Products of different modes are multiplied by √2, so that their variance
+/// equals that of squares.
 pub(super) fn terms(modes: &[f64]) -> impl Iterator<Item = f64> {
     let products = modes.iter().enumerate().flat_map(move |(index, &first)| {
         let others = modes[index + 1..].iter();

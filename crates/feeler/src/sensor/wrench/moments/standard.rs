@@ -8,13 +8,13 @@ use crate::sensor::wrench::calibration::{LARGEST, check_number};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// Reference and statistics of one element over the images of the calibration.
+/// Reference moments and feature statistics of one element over the images of the calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementStandard {
-    /// `true` if the element is used: it was lit and not saturated in at least half of the images.
+    /// `true` if the element is used: it was neither dark nor saturated in at least half of the images.
     pub used: bool,
-    /// Mean integrated gray value G_0, gray levels times m² (px² for a planar layout).
+    /// Mean integrated gray value G_0 over the images, gray levels times m² (px² for a planar layout).
     pub gray: f64,
     /// Mean centroid c_0 of the element without load, in x, y of its plane (m; px if the layout has no dome).
     pub centroid: DVec2,
@@ -22,7 +22,7 @@ pub struct ElementStandard {
     pub mean: [f64; PER_ELEMENT],
     /// Standard deviation of each feature; 0 for a constant feature, which is not used.
     pub scale: [f64; PER_ELEMENT],
-    /// Change of each mode of deformation per displacement of this element along x and y, 1/m or 1/px.
+    /// Change of each mode of deformation per unit of this element's displacement along x and y, 1/m or 1/px.
     #[serde(default, skip_serializing_if = "Vec::is_empty", rename = "modes")]
     pub loadings: Vec<DVec2>,
 }
@@ -66,7 +66,7 @@ impl ElementStandard {
         Ok(())
     }
 
-    /// Displacement from its mean, or 0 if the element is not used or its moments are missing.
+    /// Displacement of the element from its mean position; 0 if it is not used or its moments are missing.
     pub(super) fn deflection(&self, moments: Option<&ElementMoments>) -> DVec2 {
         let [.., x, y] = self.mean;
         moments
@@ -76,7 +76,7 @@ impl ElementStandard {
             })
     }
 
-    /// Features before standardisation, for an image with common gain `gain`.
+    /// Features before standardisation, for an image with the common gain `gain`.
     pub(super) fn raw(&self, moments: &ElementMoments, gain: f64) -> [f64; PER_ELEMENT] {
         let growth = moments.integrated_gray / self.gray;
         let displacement = moments.centroid - self.centroid;
@@ -89,10 +89,10 @@ impl ElementStandard {
     }
 }
 
-/// Moments of the elements in one image.
+/// Moments of all elements in one image; `None` if missing.
 type Seen = [Option<ElementMoments>];
 
-/// Reference and statistics of `elements` elements over `pictures`.
+/// Computes the reference and statistics of `elements` elements over `pictures`.
 pub(super) fn standards(
     elements: usize,
     pictures: &[&Vec<Option<ElementMoments>>],
@@ -131,7 +131,7 @@ pub(super) fn standards(
     standards
 }
 
-/// Mean of an element's moments, if at least half of `total` images contain them.
+/// Mean of an element's moments; `None` unless at least half of the `total` images contain them.
 fn reference(moments: impl Iterator<Item = ElementMoments>, total: usize) -> ElementStandard {
     let (mut count, mut gray, mut centroid) = (0, 0.0, DVec2::ZERO);
     for moments in moments {
@@ -150,7 +150,7 @@ fn reference(moments: impl Iterator<Item = ElementMoments>, total: usize) -> Ele
     }
 }
 
-/// Mean of G/G_0 over the elements that are used and visible, or `None` if there are no such elements.
+/// Mean of G/G_0 over the elements that are used and visible; `None` if there are no such elements.
 pub(super) fn common_gain(standards: &[ElementStandard], seen: &Seen) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for (standard, moments) in standards.iter().zip(seen) {

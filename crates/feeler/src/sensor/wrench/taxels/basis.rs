@@ -12,11 +12,11 @@ use std::ops::Range;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TermKind {
-    /// The readings.
+    /// All readings.
     Linear,
-    /// The readings and their products.
+    /// The readings and the products of all pairs.
     Quadratic,
-    /// Direction and logarithm of the length of all readings together, and their products.
+    /// Direction of the vector of all readings, logarithm of its length, and the products of all pairs of these.
     Pattern,
 }
 
@@ -24,9 +24,9 @@ pub enum TermKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaxelTerms {
-    /// Kind of terms.
+    /// Kind of terms that are computed from the readings.
     pub kind: TermKind,
-    /// Also use the differences between the readings and their filters.
+    /// `true` to also use the differences between the readings and their low-pass filters.
     pub memory: bool,
 }
 
@@ -34,9 +34,9 @@ pub struct TaxelTerms {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Statistics {
-    /// Means.
+    /// Mean of each feature.
     pub mean: Vec<f64>,
-    /// Standard deviations; 0 for constant features, which are not used.
+    /// Standard deviation of each feature; 0 for constant features, which are not used.
     pub scale: Vec<f64>,
 }
 
@@ -49,51 +49,52 @@ pub struct Statistics {
 pub struct TaxelBasis {
     /// Number of taxels.
     pub taxels: usize,
-    /// Lower bound of |v|, N or counts: a tenth of the root mean square length, whose square is added to |v|². It keeps
-    /// the direction of weak readings from being noise.
+    /// Lower bound of |v|, N or counts: a tenth of its root mean square over the samples. Its square is added to |v|²,
+    /// so that noise does not determine the direction of weak readings.
     pub norm_floor: f64,
-    /// Map from the reading of each taxel to that of the original, if the calibration was transferred to this copy of the
-    /// sensor; otherwise empty.
+    /// Matrix for each taxel that converts its reading to that of the original sensor, if the calibration was
+    /// transferred to this copy; otherwise empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub to_original: Vec<DMat3>,
-    /// Features in this order: readings x, y and z of each taxel; their products; their direction and ln |v|; products
-    /// of these; differences from the filters of each taxel and component, filter by filter.
+    /// Statistics of the features in this order: readings x, y and z of each taxel; their products; their direction and
+    /// ln |v|; products of these; differences from the filters of each taxel and component, filter by filter.
     pub features: Statistics,
 }
 
-/// Fraction of the root mean square length that is [`TaxelBasis::norm_floor`].
+/// Ratio of [`TaxelBasis::norm_floor`] to the root mean square length.
 const NORM_FLOOR: f64 = 0.1;
-/// Standard deviation of the memory terms relative to the others. Hysteresis is a small part of a reading, and a ridge
-/// penalises the weights of smaller terms more.
+/// Standard deviation of the memory terms relative to that of the others. Hysteresis is a small part of a reading, and
+/// ridge regression penalises the weights of smaller terms more.
 const MEMORY_SCALE: f64 = 0.1;
-/// Magnitude at which a product saturates, in standard deviations. Products model curvature within the calibrated range;
-/// beyond it they would diverge.
+/// Magnitude at which a product saturates, in standard deviations. Products model curvature within the calibrated
+/// range; beyond it they would diverge.
 const MAX_PRODUCT: f64 = 16.0;
-/// Maximum number of taxels for which pattern and products are used.
+/// Maximum number of taxels for which pattern and product terms are used.
 const MAX_FOR_PRODUCTS: usize = 10;
 
-/// Terms for novelty detection.
+/// Terms used for novelty detection.
 const NOVELTY: TaxelTerms = TaxelTerms {
     kind: TermKind::Linear,
     memory: false,
 };
 
-/// Ranges of the features by group.
+/// Index ranges of the groups of features.
 struct Groups {
     /// Readings x, y and z of each taxel.
     readings: Range<usize>,
-    /// Products of the readings.
+    /// Products of all pairs of readings.
     products: Range<usize>,
-    /// Direction of all readings together, and ln |v|.
+    /// Direction of the vector of all readings, and ln |v|.
     pattern: Range<usize>,
-    /// Products of the pattern.
+    /// Products of all pairs of the pattern features.
     pattern_products: Range<usize>,
-    /// Differences from the filters of each taxel and component, filter by filter.
+    /// Differences between the readings and their low-pass filters, filter by filter.
     memory: Range<usize>,
 }
 
 impl Groups {
-    /// Returns the groups of `taxels` taxels. More than [`MAX_FOR_PRODUCTS`] have neither pattern nor products.
+    /// Returns the ranges for `taxels` taxels. If there are more than [`MAX_FOR_PRODUCTS`], pattern and products are
+    /// empty.
     fn of(taxels: usize) -> Self {
         let readings = 3 * taxels;
         let pairs = |count: usize| count * (count + 1) / 2;
@@ -118,7 +119,7 @@ impl Groups {
 }
 
 impl TaxelBasis {
-    /// Readings of all taxels, as of the original sensor.
+    /// Readings of all taxels, converted to those of the original sensor.
     fn readings<'a>(&'a self, input: &'a TaxelInput) -> impl Iterator<Item = DVec3> + Clone + 'a {
         let values = input.values.iter().enumerate();
         values.map(|(taxel, value)| self.as_original(taxel, *value))
@@ -131,7 +132,7 @@ impl TaxelBasis {
         }
     }
 
-    /// Fills `features` with the features of `input` before standardisation. Ignores missing or excess taxels.
+    /// Fills `features` with the features of `input` before standardisation. Missing and excess taxels are ignored.
     fn raw(&self, input: &TaxelInput, features: &mut [f64]) {
         let groups = Groups::of(self.taxels);
         features.fill(f64::NAN);
@@ -171,13 +172,13 @@ impl TaxelBasis {
     }
 }
 
-/// Squared length |v|² of all readings together, without missing ones.
+/// Squared length |v|² of the vector of all readings, without missing ones.
 fn squared_length(values: impl Iterator<Item = DVec3>) -> f64 {
     let valid = values.filter(|value| !value.is_nan());
     valid.map(DVec3::length_squared).sum()
 }
 
-/// Fills the range `products` of `features` with the products of all pairs of the range `factors`.
+/// Fills the range `products` of `features` with the products of all pairs of features in the range `factors`.
 fn fill_products(features: &mut [f64], factors: &Range<usize>, products: &Range<usize>) {
     let pairs = factors
         .clone()
@@ -251,7 +252,7 @@ impl Basis for TaxelBasis {
         missing as f64 / input.values.len().max(1) as f64
     }
 
-    /// Readings below the noise floor of the direction are those of an untouched skin.
+    /// Readings below the noise floor are those of a skin without contact.
     fn reveals_place(&self, input: &TaxelInput) -> bool {
         squared_length(self.readings(input)) >= self.norm_floor * self.norm_floor
     }
@@ -298,7 +299,7 @@ impl Basis for TaxelBasis {
         linear.len() + products.len() + memory.len()
     }
 
-    /// In this order: features, their products, memory.
+    /// Order of the terms: readings or pattern, their products, memory.
     fn terms<'a>(
         &'a self,
         terms: TaxelTerms,
@@ -311,7 +312,7 @@ impl Basis for TaxelBasis {
         of(linear).chain(products).chain(memory)
     }
 
-    /// Nine for the matrix of each taxel if products of readings are used. The linear terms alone follow any such map.
+    /// Nine for the matrix of each taxel if products of readings are used. Linear terms alone adapt to any such matrix.
     fn copy_parameters(&self) -> usize {
         match self.taxels <= MAX_FOR_PRODUCTS {
             true => 9 * self.taxels,
@@ -362,7 +363,7 @@ impl Basis for TaxelBasis {
     }
 }
 
-/// Ranges of the features that are `terms`: features, their products, memory.
+/// Index ranges of the features that are used as `terms`: readings or pattern, their products, memory.
 fn ranges(taxels: usize, terms: TaxelTerms) -> (Range<usize>, Range<usize>, Range<usize>) {
     let groups = Groups::of(taxels);
     let (linear, products) = match terms.kind {

@@ -1,4 +1,4 @@
-//! Estimates the wrench on a taxel array from each row. Suitable for the control loop.
+//! Estimates the wrench on a taxel array from each row of readings. Suitable for the control loop.
 
 use super::basis::TaxelBasis;
 use super::memory::Memory;
@@ -27,12 +27,12 @@ impl TaxelWrenchEstimator {
         })
     }
 
-    /// The calibration in use.
+    /// Calibration in use.
     pub fn calibration(&self) -> &CalibrationOf<TaxelBasis> {
         self.estimator.calibration()
     }
 
-    /// Starts a sequence without load.
+    /// Starts a new sequence, which begins without load.
     pub fn restart(&mut self) {
         self.memory.restart();
     }

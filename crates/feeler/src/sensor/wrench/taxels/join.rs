@@ -1,4 +1,4 @@
-//! Aligns recordings of taxels with measured wrenches by time.
+//! Assigns measured wrenches to the rows of taxel recordings by time.
 
 use super::TaxelSample;
 use super::memory::{TIME_CONSTANTS, TaxelInput};
@@ -9,28 +9,28 @@ use nalgebra::{DMatrix, DVector};
 
 /// Maximum magnitude of the estimated delay, s.
 pub const MAX_DELAY: f64 = 0.5;
-/// Steps of the search for the delay, s: coarse, then fine around the best coarse one.
+/// Step sizes of the search for the delay, s: coarse, then fine around the best coarse value.
 const STEPS: [f64; 2] = [0.05, 0.01];
-/// Maximum fraction of the squared error that may remain for a delay to be preferred to none. Creep of the skin looks
-/// like a delay; memory models it better.
+/// Maximum ratio of the squared errors with and without a delay for the delay to be used. Creep of the skin resembles a
+/// delay, but memory models it better.
 const MAX_ERROR_RATIO: f64 = 0.5;
-/// Unexplained fraction of the variance below which readings count as exact.
+/// Unexplained fraction of the variance below which a prediction counts as exact.
 const MIN_ERROR: f64 = 1e-9;
 /// Maximum interval between measurements that are interpolated, relative to the median interval.
 const MAX_GAP: f64 = 4.0;
-/// Penalty of the regression in the search for the delay, relative to the mean squared reading.
+/// Ridge penalty of the regression in the search for the delay, relative to the mean squared reading.
 const PENALTY: f64 = 1e-6;
 
-/// A wrench measured at a time.
+/// A wrench with its time of measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredAt {
-    /// Time, s, on the clock of the taxels' stamps, offset by the delay.
+    /// Time, s, on the clock of the taxels' stamps except for the delay.
     pub time: f64,
     /// Measured wrench.
     pub wrench: MeasuredWrench,
 }
 
-/// One recording of a taxel array with the wrenches measured during it.
+/// One recording of a taxel array, with the wrenches measured during it.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TaxelSeries {
     /// Time of each row of taxel readings, s.
@@ -42,8 +42,8 @@ pub struct TaxelSeries {
 }
 
 impl TaxelSeries {
-    /// Disables memory if the median interval between rows exceeds the shortest of [`TIME_CONSTANTS`]: sets the filters
-    /// to the readings.
+    /// Disables memory if the median interval between rows exceeds the shortest of [`TIME_CONSTANTS`], by setting the
+    /// filters to the readings.
     pub fn forget_if_sparse(&mut self) {
         if median_interval(&self.stamps) <= TIME_CONSTANTS[0] {
             return;
@@ -74,7 +74,7 @@ pub fn join(series: &[TaxelSeries], delay: f64) -> Vec<TaxelSample> {
     samples.collect()
 }
 
-/// A row of taxels, with the wrench at its time.
+/// A row of taxel readings with the wrench interpolated at its time.
 struct Joined<'a> {
     recording: usize,
     input: &'a TaxelInput,
@@ -100,9 +100,9 @@ fn joined(series: &[TaxelSeries], delay: f64) -> Vec<Joined<'_>> {
     joined.collect()
 }
 
-/// Estimates the delay of the measured wrenches after the taxels, s, between -[`MAX_DELAY`] and [`MAX_DELAY`]: the one
-/// with which a linear regression on the readings explains the wrenches best. Returns 0 if it does not halve the squared
-/// error (the geometric mean over the components).
+/// Estimates the delay of the measured wrenches relative to the taxels, s, between -[`MAX_DELAY`] and [`MAX_DELAY`]:
+/// the delay for which a linear regression on the readings explains the wrenches best. Returns 0 if it does not halve
+/// the squared error (geometric mean over the components).
 pub fn estimate_delay(series: &[TaxelSeries]) -> f64 {
     let rows = joined(series, 0.0).len();
     let error = |delay: f64| (squared_error(series, delay, rows), delay);
@@ -124,8 +124,8 @@ pub fn estimate_delay(series: &[TaxelSeries]) -> f64 {
     }
 }
 
-/// Fraction of variance that a linear regression on the readings leaves unexplained: the geometric mean over the
-/// components. Infinite if `delay` joins far fewer samples than `rows`, the number without a delay.
+/// Fraction of the variance not explained by a linear regression on the readings: the geometric mean over the
+/// components. Infinite if `delay` gives far fewer samples than `rows`, the number without a delay.
 fn squared_error(series: &[TaxelSeries], delay: f64, rows: usize) -> f64 {
     let samples = joined(series, delay);
     if samples.len() * 5 < rows * 4 {
@@ -138,8 +138,8 @@ fn squared_error(series: &[TaxelSeries], delay: f64, rows: usize) -> f64 {
     libm::exp(errors.iter().sum::<f64>() / errors.len().max(1) as f64)
 }
 
-/// Fraction of the variance of a component that a linear regression on the readings leaves unexplained, or `None` if
-/// the component is constant or was not measured.
+/// Fraction of the variance of a component not explained by a linear regression on the readings; `None` if the
+/// component is constant or was not measured.
 fn unexplained(samples: &[Joined], axis: usize) -> Option<f64> {
     let rows = samples.iter();
     let rows = rows.filter_map(|sample| Some((sample.input, sample.wrench[axis]?)));
@@ -158,12 +158,12 @@ fn unexplained(samples: &[Joined], axis: usize) -> Option<f64> {
     (total > 0.0).then(|| (predicted - measured).norm_squared() / total)
 }
 
-/// Measurements of one quantity over time.
+/// Measurements of one quantity, for interpolation over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredSeries {
     times: Vec<f64>,
     values: Vec<f64>,
-    /// Maximum interval that is interpolated, s.
+    /// Maximum interval for interpolation, s.
     gap: f64,
 }
 
@@ -202,7 +202,7 @@ impl MeasuredSeries {
     }
 }
 
-/// Median interval between different `times`, s; 0 if there are fewer than two.
+/// Median interval between distinct `times`, s; 0 if there are fewer than two.
 fn median_interval(times: &[f64]) -> f64 {
     let intervals = times.windows(2).map(|pair| pair[1] - pair[0]);
     let mut intervals: Vec<_> = intervals.filter(|&interval| interval > 0.0).collect();

@@ -10,7 +10,7 @@
 //!
 //! Each kind also has a variant with memory: the difference between v and its low-pass filter, for five time constants
 //! ([`Memory`]). It models the hysteresis and creep of a viscoelastic skin as a generalised Maxwell solid, linear in v.
-//! [`join()`] aligns recordings of taxels with measured wrenches by time.
+//! [`join()`] assigns measured wrenches to the rows of taxel recordings by time.
 
 mod basis;
 mod estimator;

@@ -8,8 +8,8 @@ use crate::sensor::wrench::{WrenchError, WrenchEstimate};
 use glam::DMat3;
 use std::io::BufRead;
 
-/// A fingertip with a taxel array that measures only the total force. Like [`WrenchSensor`](crate::sensor::wrench::WrenchSensor),
-/// but from the rows of a table.
+/// A fingertip with a taxel array that measures only the total force. Like
+/// [`WrenchSensor`](crate::sensor::wrench::WrenchSensor), but reads the rows of a table instead of images.
 #[derive(Debug)]
 pub struct TaxelWrenchSensor<R> {
     taxels: TaxelSensor<R>,
@@ -46,7 +46,7 @@ impl<R: BufRead> TaxelWrenchSensor<R> {
         Self { axes, ..self }
     }
 
-    /// The wrench of the last reading in the calibrated frame, or `None` before the first.
+    /// Wrench of the latest reading in the calibrated frame; `None` before the first reading.
     pub fn estimate(&self) -> Option<&WrenchEstimate> {
         self.estimate.as_ref()
     }
@@ -57,7 +57,7 @@ impl<R: BufRead> TactileSensor for TaxelWrenchSensor<R> {
         1
     }
 
-    /// Waits for the next row. Neither allocates nor panics.
+    /// Reads the next row; blocks until it is available. Neither allocates nor panics.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
         let force = only_force(&mut reading.forces)?;
         self.taxels.read(&mut self.values)?;

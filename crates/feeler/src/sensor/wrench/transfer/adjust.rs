@@ -1,4 +1,5 @@
-//! Gain and offset of each component, and a map from the readings of a copy to those of the original.
+//! Fits a gain and an offset of each component, and a linear map from the readings of a copy of the sensor to those of
+//! the original.
 //!
 //! Minimises the squared errors of all components together over the parameters of the map ([`Basis::of_copy`]) and a gain
 //! and an offset of each component, with a penalty on their squares, by Gauss-Newton iterations.
@@ -12,20 +13,21 @@ use nalgebra::{DMatrix, DVector};
 
 /// Expected magnitude of a parameter of the map, relative to the readings.
 const EXPECTED_PARAMETER: f64 = 0.1;
-/// Expected relative change of a component. Larger than that of a parameter, because a common factor is the most likely
-/// difference between copies.
+/// Expected relative change of a component. Larger than that of a parameter, because a common factor is the most
+/// probable difference between copies.
 const EXPECTED_GAIN_CHANGE: f64 = 0.3;
 /// Expected offset of a component, relative to its held-out error.
 const EXPECTED_OFFSET: f64 = 10.0;
 /// Number of Gauss-Newton iterations. The map is nearly linear.
 const ITERATIONS: usize = 3;
-/// Step of numerical derivatives.
+/// Step size of numerical derivatives.
 const STEP: f64 = 1e-4;
 
-/// Maximum number of samples used, evenly spread.
+/// Maximum number of samples used for the fit, evenly spread.
 const MAX_SAMPLES: usize = 600;
 
-/// Adjusts the model of `source` to the samples without the press `held`. Returns it unchanged if nothing can be learned.
+/// Adjusts the model of `source` to all samples except those of the press `held`. Returns it unchanged if the fit has
+/// no solution.
 pub(super) fn adjusted<B: Basis>(
     source: &CalibrationOf<B>,
     data: &PressData<B>,
@@ -65,9 +67,9 @@ pub(super) fn adjusted<B: Basis>(
     model
 }
 
-/// A measured value of a component.
+/// Measured value of a component in one sample.
 struct Row {
-    /// Place of the sample in [`Problem::samples`].
+    /// Index of the sample in [`Problem::samples`].
     place: usize,
     /// Index of the component in the source's model.
     axis: usize,
@@ -76,18 +78,19 @@ struct Row {
 
 struct Problem<'a, B: Basis> {
     source: &'a WrenchModel<B>,
-    /// Number of parameters of the map.
+    /// Number of parameters of the linear map.
     parameters: usize,
     data: &'a PressData<'a, B>,
-    /// The samples used.
+    /// Indices of the samples used.
     samples: Vec<usize>,
     rows: Vec<Row>,
-    /// Weight of the errors of each component: the inverse of the source's error.
+    /// Weight of the errors of each component: the inverse of the component's error in the source calibration.
     scales: Vec<f64>,
 }
 
 impl<B: Basis> Problem<'_, B> {
-    /// Returns the changes, each relative to its expected magnitude: parameters, gains, offsets.
+    /// Solves for the changes relative to their expected magnitude: parameters, then gains, then offsets. `None` if
+    /// there is no solution.
     fn solve(&self) -> Option<Vec<f64>> {
         let count = self.parameters + 2 * self.scales.len();
         let mut changes = vec![0.0; count];
@@ -120,7 +123,7 @@ impl<B: Basis> Problem<'_, B> {
         Some(changes)
     }
 
-    /// Predictions of all rows, in units of the source's errors.
+    /// Predictions for all rows, in units of the components' errors in the source calibration.
     fn predict(&self, changes: &[f64]) -> DVector<f64> {
         let mut model = self.source.clone();
         self.apply(changes, &mut model);
@@ -136,7 +139,7 @@ impl<B: Basis> Problem<'_, B> {
         DVector::from_iterator(self.rows.len(), values)
     }
 
-    /// Derivatives of the predictions by each change, at `changes`.
+    /// Numerical derivatives of the predictions with respect to each change, at `changes`.
     fn derivatives(&self, changes: &[f64], predicted: &DVector<f64>) -> DMatrix<f64> {
         let columns: Vec<_> = (0..changes.len())
             .map(|index| {

@@ -1,4 +1,4 @@
-//! Samples of a copy of a sensor, grouped by press.
+//! Samples of another copy of a sensor, grouped by press.
 
 use crate::sensor::wrench::WrenchAxis;
 use crate::sensor::wrench::basis::Basis;
@@ -9,13 +9,13 @@ use crate::sensor::wrench::learn::{can_be_learned, target};
 use crate::sensor::wrench::presses::presses;
 use crate::sensor::wrench::sample::{SampleOf, recording_of};
 
-/// Minimum number of presses: one to hold out, and two to choose the penalty from.
+/// Minimum number of presses: one to hold out, and two for choosing the penalty.
 const MIN_PRESSES: usize = 3;
 
-/// Samples of a copy of a sensor, grouped by press.
+/// Samples of another copy of a sensor, grouped by press.
 pub(super) struct PressData<'a, B: Basis> {
     pub samples: Vec<&'a SampleOf<B>>,
-    /// Press of each sample: the last one that started before, or the first of the recording.
+    /// Index of the press of each sample: the latest one that has started, or the first press of the recording.
     pub press_of: Vec<usize>,
     /// Number of presses.
     pub presses: usize,
@@ -37,7 +37,7 @@ impl<'a, B: Basis> PressData<'a, B> {
         })
     }
 
-    /// Measured values of a component without those of the press `held`, or `None` if it was measured too seldom.
+    /// Measured values of a component, except those of the press `held`; `None` if there are too few.
     pub fn target(&self, axis: WrenchAxis, held: Option<usize>) -> Option<Target> {
         let mut target = target(&self.samples, axis);
         let rows = target.rows.iter().zip(&target.measured);
@@ -46,7 +46,7 @@ impl<'a, B: Basis> PressData<'a, B> {
         can_be_learned(&target).then_some(target)
     }
 
-    /// Folds over the places in `rows` that hold out one press each.
+    /// Cross-validation folds that hold out one press each. They contain indices into `rows`.
     pub fn folds(&self, rows: &[usize]) -> Vec<Fold> {
         let folds = (0..self.presses).map(|press| {
             let places = 0..rows.len();
@@ -62,7 +62,7 @@ impl<'a, B: Basis> PressData<'a, B> {
     }
 }
 
-/// Press of each row, given the rows of each press.
+/// Index of the press of each row, given the rows of each press.
 fn press_of(presses: &[Vec<usize>], recording_of: &[usize]) -> Vec<usize> {
     let mut press_of = vec![0; recording_of.len()];
     let starts: Vec<_> = presses

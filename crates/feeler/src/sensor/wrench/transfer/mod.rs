@@ -1,7 +1,7 @@
 //! Transfers a calibration to another copy of the sensor with a few presses.
 //!
-//! Copies of a sensor differ by manufacturing: stiffness, strength and position of magnets or lights, mounting. Two steps keep
-//! the result close to the original where the presses do not contradict it:
+//! Copies of a sensor differ because of manufacturing tolerances of stiffness, magnets or lights, and mounting. Two
+//! steps keep the result close to the original unless the presses contradict it:
 //!
 //! 1. `adjust` fits a gain and an offset of each component and, where products of readings are used, a linear map from the
 //!    readings of each taxel to those of the original.
@@ -25,11 +25,11 @@ use super::validation::Predicted;
 use crate::sensor::fingertip::made_for::CalibrationTarget;
 use data::PressData;
 
-/// Transfers `source` to the sensor `made_for` with `samples` of it, which must be in order of time within each recording.
-/// Omits components that were not measured, and those that are predicted no better than by the mean, unless `keep_all`.
-/// `recordings` contains the names of the recordings.
+/// Transfers `source` to the sensor `made_for` with `samples` of that sensor, which must be in order of time within
+/// each recording. Omits components that were not measured and, unless `keep_all`, those that are predicted no better
+/// than by the mean. `recordings` contains the names of the recordings.
 ///
-/// Errors in the result are those of held-out presses; everything is fitted again without them.
+/// The errors in the result are measured on held-out presses, for which everything is fitted again.
 ///
 /// # Errors
 /// If the sensors have different numbers of elements, if there are fewer than three presses, or if no component of the
@@ -109,7 +109,7 @@ pub fn transfer<B: Basis>(
     })
 }
 
-/// Transfers the model of `source` without the press `held`. Omits components that were measured too seldom.
+/// Transfers the model of `source` using all presses except `held`. Omits components with too few measurements.
 fn transferred<B: Basis>(
     source: &CalibrationOf<B>,
     data: &PressData<B>,
@@ -125,7 +125,7 @@ fn transferred<B: Basis>(
     model
 }
 
-/// Predicts each sample with a model transferred without its press.
+/// Predicts each sample with a model that was transferred without the sample's press.
 fn predict_held_out<B: Basis>(source: &CalibrationOf<B>, data: &PressData<B>) -> Vec<Predicted> {
     let models: Vec<_> = (0..data.presses)
         .map(|press| transferred(source, data, Some(press)))

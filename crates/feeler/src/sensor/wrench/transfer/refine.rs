@@ -1,4 +1,4 @@
-//! Ridge regression of the errors of a transferred model on its terms.
+//! Corrects a transferred model with a ridge regression of its errors.
 
 use super::data::PressData;
 use crate::sensor::wrench::basis::{Basis, matrix};
@@ -6,8 +6,8 @@ use crate::sensor::wrench::calibration::AxisModel;
 use crate::sensor::wrench::choice::{Shrinkage, best_penalty};
 use crate::sensor::wrench::ridge::{Spectrum, regress};
 
-/// Adds a regression of the errors to a component, without the press `held`. Returns `None` if the component was measured
-/// too seldom. `features` are those of all samples.
+/// Adds a ridge regression of the errors to a component, fitted without the press `held`. Returns `None` if there are
+/// too few measurements of the component. `features` contains the features of all samples.
 pub(super) fn refined<B: Basis>(
     basis: &B,
     features: &[Vec<f64>],

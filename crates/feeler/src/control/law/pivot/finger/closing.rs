@@ -7,18 +7,18 @@ use super::{Finger, Motion, Onset};
 use crate::control::plan::Plan;
 use glam::{DVec2, DVec3};
 
-/// Largest element force at which the first closing motion ends, relative to F2.
+/// Largest element force at which the first closing motion ends, as a fraction of F2.
 const FIRST_CLOSING: f64 = 0.8;
 /// Like [`FIRST_CLOSING`], but for [`Grip::AsNeeded`], whose load is still unknown.
 const LIGHT_CLOSING: f64 = 0.3;
-/// Fraction of a shift of the object's surface that is added to the radius: between 1, for an object that turned with
-/// the finger, and 0, for an object that stayed at rest.
+/// Fraction of a displacement of the object's surface that is added to the radius: a compromise between 1, for an
+/// object that turned with the finger, and 0, for an object that stayed at rest.
 const SURFACE_PART: f64 = 0.5;
-/// Distance to the target radius at which a finger has closed (m).
+/// Maximum distance from the target radius at which a finger counts as closed (m).
 const CLOSED_WITHIN: f64 = 2e-5;
 /// Minimum approach speed, relative to the planned speed.
 const SLOWEST: f64 = 0.1;
-/// Lateral distance from the start of its stroke above which a finger waits at [`WAIT_AT`] (m).
+/// Lateral distance from the start of its stroke above which a finger waits at the distance [`WAIT_AT`] (m).
 const ASIDE: f64 = 2e-4;
 /// Distance from the target radius at which a finger waits (m).
 const WAIT_AT: f64 = 0.004;
@@ -52,8 +52,8 @@ impl Finger {
         }
     }
 
-    /// Radius of the current stroke (m): the radius of `lesson`, shifted with the object's surface at the first
-    /// contact.
+    /// Radius of the current stroke (m): the radius in `lesson`, corrected for the displacement of the object's surface
+    /// at the first contact.
     pub(super) fn radius(&self, lesson: &StrokeParameters, circle: &Circle) -> f64 {
         let (Some(now), Some(before), Some(k)) = (self.onset, self.onset_before, self.stiffness)
         else {
@@ -64,8 +64,8 @@ impl Finger {
         lesson.radius + SURFACE_PART * (surface(now) - surface(before))
     }
 
-    /// Velocity of a closing finger (m/s, in W): towards its radius, and sideways until its stroke starts at the
-    /// planned position, shifted by `offset` (m), the pivot's offset from the hand's centre.
+    /// Velocity of a closing finger (m/s, in W): towards its radius, and sideways to the planned start of its stroke,
+    /// which is shifted by `offset` (m), the pivot's offset from the hand's centre.
     pub fn close(&self, plan: &Plan, config: &PivotConfig, circle: Circle, offset: DVec2) -> DVec3 {
         let Some(lesson) = self.lesson else {
             return plan.velocity;
