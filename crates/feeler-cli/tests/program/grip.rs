@@ -119,7 +119,11 @@ fn laws_are_compared_on_the_same_objects() {
     let unknown = ["compare", "grip", "--laws=firm", "-o=other"];
     run(&folder, &unknown).refused(&["firm", "partial-slip"]);
     run(&folder, &["compare", "grip", "--resume", "-o=other"]).refused(&["--resume"]);
-    run(&folder, &["compare", "cap-closing", "--least-grip", "-o=other"]).refused(&["--least-grip"]);
+    run(
+        &folder,
+        &["compare", "cap-closing", "--least-grip", "-o=other"],
+    )
+    .refused(&["--least-grip"]);
     for (setting, words) in [
         ("task.grip.law=firm", "partial-slip"),
         ("task.grip.max_force=0.1", "grip_force"),

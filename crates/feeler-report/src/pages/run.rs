@@ -115,7 +115,12 @@ fn tiles_of(summary: &Summary, claims: &[Claim]) -> Vec<Tile> {
         value.map(|value| Tile::new(significant(factor * value), unit, label))
     };
     let measured = [
-        measure(summary.final_torque, 1e3, "mN·m", "peak torque, last stroke"),
+        measure(
+            summary.final_torque,
+            1e3,
+            "mN·m",
+            "peak torque, last stroke",
+        ),
         measure(summary.cap_angle, 1f64.to_degrees(), "°", "cap rotation"),
         measure(
             summary.peak_element_force,
