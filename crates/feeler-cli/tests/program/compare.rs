@@ -81,7 +81,7 @@ fn laws_are_compared_on_the_same_trials_and_best_beats_the_papers_law() {
     }
     let [paper, best] = [&tables[0], &tables[4]];
     let torque = |row: &HashMap<String, String>| row["cap_torque"].parse::<f64>().unwrap();
-    // 200 trials show 20 % more (docs/benchmarks.md): with soft feelers, the paper's law leaves less to gain.
+    // 200 trials show 20 % more (docs/comparing-control-laws.md): with soft feelers, the paper's law leaves less to gain.
     assert!(mean(best, torque) > 1.1 * mean(paper, torque));
     assert!(mean(best, peak_force) < mean(paper, peak_force));
     // The torque that the seat holds is the largest measured torque, up to the static friction factor and the noise. A

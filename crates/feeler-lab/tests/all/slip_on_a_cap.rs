@@ -7,8 +7,8 @@ mod example;
 use example::score;
 
 /// Over 20 seeds the precision is 88 to 93 % while the cap turns and 99 % once it is closed; recall is 91 to 95 %, and
-/// 50 to 64 % for the paper's SLIP (docs/benchmarks.md). Four seeds estimate these to a few per cent. Soft feelers lose
-/// less shear in a slip, closer to the noise.
+/// 50 to 64 % for the paper's SLIP (docs/comparing-control-laws.md). Four seeds estimate these to a few per cent. Soft
+/// feelers lose less shear in a slip, closer to the noise.
 #[test]
 fn missing_shear_detects_slip_on_a_turning_or_static_cap() {
     for law in ["tri-axial", "tri-axial-missing-shear"] {
