@@ -24,7 +24,7 @@ pub struct Peaks {
     pub second_below_first: bool,
     /// `true` if the third and the fourth are above the first and the second.
     pub last_above_first: bool,
-    /// `true` if the relative change from the third to the fourth is at most [`ALIKE`].
+    /// `true` if the relative change from the third to the fourth is at most `ALIKE`.
     pub last_alike: bool,
 }
 
