@@ -193,7 +193,7 @@ fn compact(value: String) -> String {
     }
 }
 
-/// Formats a bound without many digits and without forms such as `1e0`.
+/// Formats a bound, in exponent notation if it is very large or very small.
 fn number(bound: f64) -> String {
     if bound == 0.0 || (1e-3..1e6).contains(&bound.abs()) {
         bound.to_string()

@@ -33,7 +33,7 @@ impl Board {
 }
 
 /// Source of tactile readings for one finger whose sensor runs on a background thread. An error of the sensor stops the
-/// hand, as usual. If the sensor is late, its previous reading is returned, until it becomes stale.
+/// hand. If the sensor is late, its previous reading is returned, until it becomes stale.
 ///
 /// The thread ends after its next reading once all handles are dropped. A thread whose sensor blocks forever is not
 /// joined.

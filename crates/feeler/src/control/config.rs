@@ -32,7 +32,7 @@ pub struct ControlConfig {
     pub resume: ResumePolicy,
     /// Reaction of a moving hand if its recording cannot be written.
     pub on_recording_failure: RecordingFailure,
-    /// Control law: how each finger follows the task's plan.
+    /// Control law with which each finger follows the task's plan.
     pub law: LawConfig,
     /// Limits that every command must respect.
     pub limits: LimitsConfig,

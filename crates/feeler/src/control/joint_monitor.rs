@@ -257,7 +257,7 @@ impl JointMonitor {
     }
 }
 
-/// Index of the first joint whose number exceeds its value in `most`; `None` if there is no such joint.
+/// Index of the first joint whose value in `numbers` exceeds that in `most`; `None` if there is no such joint.
 fn first_above(numbers: JointVector, most: JointVector) -> Option<usize> {
     (0..numbers.len()).find(|&joint| numbers[joint] > most[joint])
 }

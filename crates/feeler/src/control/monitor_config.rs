@@ -14,7 +14,7 @@ pub struct MonitorConfig {
     pub servo_lag: f64,
     /// Maximum apparent speed of a joint between two readings, as a multiple of its speed limit.
     pub joint_jump: f64,
-    /// Number of consecutive new images with bit-identical forces for which the hand is stopped.
+    /// Number of consecutive new images with bit-identical forces after which the hand is stopped.
     pub frozen_frames: u32,
     /// Maximum difference between the effort of a joint's motor and the effort that balances the measured forces, as a
     /// fraction of the larger one, in addition to one and a half times the uncertainty of the effort. Has no effect
@@ -36,10 +36,10 @@ impl Default for MonitorConfig {
     /// Values for drives with an encoder at each joint and cameras with noise.
     ///
     /// `joint_deviation`: 1.5 mm at a fingertip 0.1 m from the joint, a distance by which a columnar feeler yields;
-    /// more than the encoder resolution, backlash and stick-slip of small drives. `servo_lag`: velocity loops of
-    /// small drives have 3 to 50 ms, and a bus or a network adds a few periods. `joint_jump`: 2, to allow for
-    /// overshoot. `frozen_frames`: 0.1 s at 100 Hz; camera noise makes even two identical images unlikely. `effort_share`:
-    /// less than the half by which a sensor of twice the gain differs, more than the error of a calibrated skin.
+    /// more than the encoder resolution, backlash and stick-slip of small drives. `servo_lag`: velocity loops of small
+    /// drives have 3 to 50 ms, and a bus or a network adds a few periods. `joint_jump`: 2, to allow for overshoot.
+    /// `frozen_frames`: 0.1 s at 100 Hz; camera noise makes even two identical images unlikely. `effort_share`: below
+    /// 0.5, the difference if a sensor has twice the correct gain, and above the error of a calibrated skin.
     fn default() -> Self {
         Self {
             joint_deviation: 0.015,

@@ -26,7 +26,7 @@ const MAX_CARRIED: f64 = 0.004;
 /// Predicts the shear of each element from frame to frame and reports the missing part.
 #[derive(Debug, Clone)]
 pub struct SlipDetector {
-    /// Stiffness and tip radius of the feelers.
+    /// Stiffness and tip radius of the columnar feelers.
     feeler: FeelerShape,
     /// Compression (N) that an element must exceed in two consecutive frames to be evaluated.
     touch_force: f64,

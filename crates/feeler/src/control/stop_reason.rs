@@ -153,11 +153,11 @@ pub enum StopReason {
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Mean effort of the motor (N m, or N for a prismatic joint).
+        /// Mean effort of the motor (N·m, or N for a prismatic joint).
         effort: f64,
-        /// Mean effort that would balance the measured forces (N m, or N for a prismatic joint).
+        /// Mean effort that would balance the measured forces (N·m, or N for a prismatic joint).
         felt: f64,
-        /// Maximum allowed difference (N m or N).
+        /// Maximum allowed difference (N·m or N).
         tolerance: f64,
     },
     /// The compression of an element exceeds the limit.

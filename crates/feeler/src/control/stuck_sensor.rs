@@ -1,4 +1,4 @@
-//! Detects a stuck camera by its repeated forces.
+//! Detects a camera that repeats the same image, from forces that do not change.
 
 use super::stop_reason::StopReason;
 use super::touch::TactileReading;

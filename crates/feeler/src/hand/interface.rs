@@ -25,7 +25,7 @@ impl JointState {
     }
 }
 
-/// Efforts of the drives of one finger: torques (N m) of revolute joints and forces (N) of prismatic joints, estimated
+/// Efforts of the drives of one finger: torques (N·m) of revolute joints and forces (N) of prismatic joints, estimated
 /// from motor currents. Empty if the drives do not measure currents.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointEfforts {

@@ -88,9 +88,9 @@ pub fn resolved_rate(
     resolved_rate_within(geometry, theta, fingertip_velocity, None)
 }
 
-/// Like [`resolved_rate`], but the joints of a chain stay within `bounds`, and other joints compensate. `bounds`
-/// returns the lowest and highest velocity of a joint (rad/s or m/s). The joints of the paper's finger may exceed the
-/// bounds.
+/// Like [`resolved_rate`], but the joint velocities of a chain stay within `bounds`; if a joint reaches its bound, the
+/// others compensate. `bounds` returns the lowest and highest velocity of a joint (rad/s or m/s). It has no effect on a
+/// finger with three joints in closed form.
 pub(crate) fn resolved_rate_within(
     geometry: &FingerGeometry,
     theta: JointVector,

@@ -8,23 +8,23 @@
 pub struct LeashedGoal {
     /// Goal position (rad or m).
     pub position: f64,
-    /// Maximum distance from the measured position.
+    /// Maximum distance of the goal from the measured position (rad or m).
     pub leash: f64,
-    /// Lower and upper limit of the joint's position.
+    /// Lower and upper limit of the joint's position (rad or m).
     pub limits: (f64, f64),
-    /// Maximum speed of the joint.
+    /// Maximum speed of the joint (rad/s or m/s).
     pub speed: f64,
 }
 
 impl LeashedGoal {
-    /// Sets the goal to the measured position, so that the joint holds it.
+    /// Sets the goal to the `measured` position (rad or m), so that the joint holds it.
     pub fn hold(&mut self, measured: f64) {
         self.position = measured;
     }
 
-    /// Advances the goal by `velocity`. `measured` is the measured position, `elapsed` the time since the previous
-    /// measurement (s). The goal does not move beyond a limit of the joint, but may start beyond it. If the velocity is
-    /// zero, the goal does not change.
+    /// Advances the goal at `velocity` (rad/s or m/s). `measured` is the measured position (rad or m), `elapsed` the
+    /// time since the previous measurement (s). The goal does not move beyond a limit of the joint, but may start
+    /// beyond it. If the velocity is zero, the goal does not change.
     pub fn advance(&mut self, velocity: f64, elapsed: f64, measured: f64) {
         if velocity == 0.0 {
             return;

@@ -30,8 +30,9 @@ pub struct DataDriven<A, C = Monotonic> {
     arrivals: A,
     clock: C,
     period: Duration,
-    /// Number of the latest step, and its start time.
+    /// Number of the latest step.
     steps: u64,
+    /// Start time of the latest step.
     newest: Duration,
     /// Latest start time of the next step, even if data is missing.
     latest: Duration,

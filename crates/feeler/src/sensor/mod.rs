@@ -4,7 +4,7 @@
 //! the dewarping of [`fingertip`]) → forces ([`calibration`]) → [`TactileFrame`](forces::TactileFrame). [`SensingChain`](forces::SensingChain) is the complete chain, which also
 //! works without a calibration; [`OpticalSensor`](forces::OpticalSensor) connects it to a camera.
 //!
-//! [`contact`] estimates where and how an object touches.
+//! [`contact`] estimates the position, size and force of a contact.
 //!
 //! Three-axis taxel arrays have no images: [`taxel`] reads their tables, and [`skin`] decodes their serial protocols. [`table`] reads tables of all kinds.
 

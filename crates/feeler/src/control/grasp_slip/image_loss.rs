@@ -7,12 +7,12 @@ use crate::sensor::image::Picture;
 const BLOCKS: (usize, usize) = (40, 30);
 /// Number of blocks summed between checks of whether the distance exceeds its limit.
 const CHUNK: usize = 120;
-/// Lower bound of the distance in grey levels, below the noise of any camera.
+/// Lower bound of the distance in gray levels, below the noise of any camera.
 const LEAST: f64 = 1e-2;
 /// Time constant of the filter (s). 0.2, 0.35 and 0.5 were compared on recordings.
 const TIME_CONSTANT: f64 = 0.3;
 
-/// Image of a gel as mean grey levels of 40 x 30 blocks, relative to the mean of the image.
+/// Image of a gel as mean gray levels of 40 x 30 blocks, relative to the mean of the image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoarseImage(Box<[f32]>);
 
@@ -74,7 +74,7 @@ impl CoarseImage {
 
 /// Detects from images of the gel whether a grasped object is lost.
 ///
-/// With d the distance (grey levels) of an image from the one of the untouched gel ([`CoarseImage::distance`]) and
+/// With d the distance (gray levels) of an image from the one of the untouched gel ([`CoarseImage::distance`]) and
 /// a = 1 - exp(-dt / 0.3 s):
 ///
 /// ```text
@@ -93,7 +93,7 @@ impl ImageLoss {
     /// Coefficients w0 and w1 of the probability.
     pub const WEIGHTS: [f64; 2] = [3.350, 4.631];
 
-    /// Updates the score with the image's `distance` (grey levels) from the untouched gel, `interval` (s) after the
+    /// Updates the score with the image's `distance` (gray levels) from the untouched gel, `interval` (s) after the
     /// previous image. A NaN distance changes nothing. Neither allocates nor panics.
     pub fn update(&mut self, interval: f64, distance: f64) -> Option<f64> {
         if !distance.is_nan() {

@@ -133,7 +133,7 @@ fn steps(places: &[DVec2], known: &[usize], spacing: f64) -> Option<[DVec2; 2]> 
 
 /// Mean of the largest group of similar differences, ignoring their sign.
 fn commonest(differences: &[DVec2], spacing: f64) -> Option<DVec2> {
-    /// Maximum number of candidates, evenly spaced.
+    /// Maximum number of differences that are tried as the centre of a group, evenly spread.
     const TRIED: usize = 200;
     let alike = |step: DVec2| {
         differences.iter().filter_map(move |&d| {

@@ -110,7 +110,7 @@ struct ContactLoad {
     normal: f64,
     /// Sum of the magnitudes of shear (N).
     shear: f64,
-    /// Largest compression of an element (N), present or to be expected after a slip.
+    /// Largest compression of an element (N): the present one, or the one expected after a slip.
     largest: f64,
     /// Number of elements with a normal force that is sufficient to estimate friction.
     touching: f64,

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub struct MissingShearConfig {
     /// Missing shear above which an element counts as slipping (N).
     pub threshold: f64,
-    /// Stiffness and tip radius of the feelers.
+    /// Stiffness and tip radius of the columnar feelers.
     pub feeler: FeelerShape,
 }
 

@@ -1,4 +1,4 @@
-//! Control law that follows the plan without tactile feedback, like a hand that knows only the object's position.
+//! Control law that follows the plan without tactile feedback, as if only the object's position were known.
 //!
 //! The task's approach ends at its own grasp force under every law; that defines the start of a stroke and is not part
 //! of the law. From there, a finger presses in by a planned distance, so that the straight stroke does not leave the
@@ -22,9 +22,9 @@ pub struct OpenLoopConfig {
 }
 
 impl Default for OpenLoopConfig {
-    /// The stroke of the reference task, to 7.35 mm past the cap's apex, leaves the circle of 34.1 mm on which
-    /// fingertip and cap touch by 0.75 mm. The squeeze compensates most of that; soft feelers, pressed by 1.0 N when
-    /// the stroke begins, stay in contact for the rest. A larger squeeze would press elements beyond their limit.
+    /// The stroke of the reference task, to 7.35 mm past the cap's apex, deviates by 0.75 mm from the circle of 34.1 mm
+    /// on which fingertip and cap touch. The squeeze compensates most of that; soft feelers, pressed by 1.0 N when the
+    /// stroke begins, stay in contact for the rest. A larger squeeze would press elements beyond their limit.
     fn default() -> Self {
         Self {
             squeeze: 0.0005,

@@ -48,8 +48,9 @@ pub struct CapTask {
     firm: bool,
     /// Number of consecutive strokes in which the cap did not rotate.
     still: u32,
-    /// Rotation of the cap before this stroke, and during it (rad).
+    /// Rotation of the cap before this stroke (rad).
     turned: f64,
+    /// Rotation of the cap during this stroke (rad).
     stroke_turn: f64,
     outcome: Option<&'static str>,
     findings: [Finding; 6],

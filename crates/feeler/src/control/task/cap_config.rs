@@ -52,9 +52,9 @@ pub struct CapConfig {
     /// Rotation of the cap below which a stroke counts as not having turned it (rad).
     #[serde(default = "default::still_turn")]
     pub still_turn: f64,
-    /// Upper bound of the friction coefficient of any cap. If the tangential force on a finger exceeds it without slip,
-    /// something else holds the finger, such as knurls, and the stroke ends: larger forces would not be measured
-    /// correctly, and the torque is not needed.
+    /// Upper bound of the friction coefficient of any cap. If the tangential force on a finger reaches this coefficient
+    /// times the grip force without slip, something other than friction holds the finger, such as knurls. The stroke
+    /// then ends, because larger forces would not be measured correctly and a larger torque is not needed.
     #[serde(default = "default::most_friction")]
     pub most_friction: f64,
     /// Minimum torsional stiffness of a seated cap (N·m/rad). If the resistance before standstill is softer, the cap is
@@ -70,7 +70,7 @@ pub struct CapConfig {
     /// Number of turns after which a cap counts as open.
     #[serde(default = "default::open_turns")]
     pub open_turns: f64,
-    /// Mechanical properties of the feelers, measured on a test bench.
+    /// Stiffness and tip radius of the columnar feelers, measured on a test bench.
     #[serde(default)]
     pub feeler: FeelerShape,
 }

@@ -18,7 +18,7 @@ pub struct Requests(Arc<Mutex<Request>>);
 #[derive(Debug, Clone, Copy, Default)]
 struct Request {
     velocities: HandVelocities,
-    /// Number of requests so far.
+    /// Number of this request, from 1; 0 before the first request.
     number: u64,
     /// Number of the request that the latest control step has followed.
     followed: u64,

@@ -103,7 +103,7 @@ pub(super) struct Drive {
     pub(super) offset: f64,
 }
 
-/// Determines how the row `field` is coupled to a joint; `None` if the row is fixed.
+/// Coupling of the row `field` to a joint; `None` if the row is fixed.
 ///
 /// # Errors
 /// If the row has neither or both of `joint` and `mimic`, or refers to an unknown joint.

@@ -23,8 +23,8 @@
 //! The factor reduces the self-motion to zero at singularities, where N is discontinuous.
 //!
 //! A direction with singular value `s >= sigma` is amplified by at most `1 / epsilon`, and N does not lengthen z. So
-//! `|q_dot| <= |v| (1 / epsilon + k sqrt(n) / reach)` everywhere, in scaled units, also if joints are stopped at
-//! their limits. With other bounds, v includes the fingertip velocity of the joints at their bounds.
+//! `|q_dot| <= |v| (1 / epsilon + k sqrt(n) / reach)` everywhere, in scaled units, even if joints are stopped at their
+//! limits. With other bounds, v includes the fingertip velocity of the joints at their bounds.
 //!
 //! If joint velocities exceed their bounds, the one that exceeds them most is fixed at its bound and the rest solved again
 //! for the remaining fingertip velocity, so that the other joints take over if possible (F. Flacco, A. De Luca and O.

@@ -17,8 +17,9 @@ pub struct ThreeJoints {
     base_angles: (f64, f64),
     base_rotation: DMat3,
     links: [f64; 3],
-    /// Limits of theta1..theta3 (rad).
+    /// Lower limits of theta1..theta3 (rad).
     lower: DVec3,
+    /// Upper limits of theta1..theta3 (rad).
     upper: DVec3,
 }
 

@@ -82,7 +82,7 @@ pub struct CoupledMap {
 pub(in crate::sensor) type Orders = [usize; 3];
 
 impl CoupledMap {
-    /// Force in `E_i`, N. Finite unless an input is NaN.
+    /// Force in the element's frame `E_i`, N. Finite unless an input is NaN.
     pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         let ranges = self.ranges();
         let raw = inputs.components();
@@ -127,12 +127,12 @@ impl CoupledMap {
         polynomial(&self.normal, &normal_terms(inputs))
     }
 
-    /// Numbers of polynomial terms of the three forces.
+    /// Number of polynomial terms of each force component.
     pub(in crate::sensor) fn orders(&self) -> Orders {
         [&self.shear_x, &self.shear_y, &self.normal].map(Vec::len)
     }
 
-    /// Fits polynomials with the numbers of terms in `orders` to the loads.
+    /// Least-squares fit of a polynomial for each force component to the loads. `orders` are their numbers of terms.
     pub(in crate::sensor) fn fit(
         inputs: &[RelativeMoments],
         forces: &[DVec3],
@@ -209,9 +209,11 @@ struct Loads {
     scaled: Vec<[f64; 3]>,
     /// Like `scaled`, but with the displacement along y before that along x.
     swapped: Vec<[f64; 3]>,
-    /// Measured components of the forces, N.
+    /// Measured `F_x` of each load, N.
     x: Vec<f64>,
+    /// Measured `F_y` of each load, N.
     y: Vec<f64>,
+    /// Measured `F_z` of each load, N.
     z: Vec<f64>,
 }
 

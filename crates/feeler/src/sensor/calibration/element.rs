@@ -34,7 +34,7 @@ pub enum ForceMap {
 }
 
 impl ForceMap {
-    /// Force in `E_i`, N. Finite unless an input is NaN.
+    /// Force in the element's frame `E_i`, N. Finite unless an input is NaN.
     pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         match self {
             Self::Separable(map) => map.force(inputs),
@@ -90,7 +90,7 @@ pub enum ForceValidity {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementCalibration {
-    /// Unloaded integrated gray value, grey levels times m² (or px²).
+    /// Unloaded integrated gray value, gray levels times m² (or px²).
     pub unloaded_gray: f64,
     /// Unloaded centroid, m (or px), in x, y of `E_i`.
     pub unloaded_centroid: DVec2,

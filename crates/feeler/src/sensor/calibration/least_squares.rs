@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
-/// Minimum width of an input's range below which no slope is fitted.
+/// Minimum width of an input's range for fitting a slope.
 pub(in crate::sensor) const MIN_SLOPE_RANGE: f64 = 1e-12;
 
 /// Maximum extrapolation beyond a range, in multiples of its width.

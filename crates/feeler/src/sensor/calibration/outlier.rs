@@ -9,9 +9,9 @@ use glam::DVec3;
 
 /// Minimum number of loads of an element for outlier detection.
 const MIN_LOADS: usize = 20;
-/// Minimum ratios of an outlier's error to the robust standard deviation and to the root mean square of the other
-/// loads' errors.
+/// Minimum ratio of an outlier's error to the robust standard deviation of the other loads' errors.
 pub(in crate::sensor) const MISTYPED: f64 = 15.0;
+/// Minimum ratio of an outlier's error to the root mean square of the other loads' errors.
 const MISTYPED_RMS: f64 = 5.0;
 /// Minimum error of an outlier, relative to the largest force of the other loads.
 pub(in crate::sensor) const MIN_SHARE: f64 = 0.1;

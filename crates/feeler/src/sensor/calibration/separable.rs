@@ -98,7 +98,7 @@ pub struct SeparableMap {
 }
 
 impl SeparableMap {
-    /// Force in `E_i`, N.
+    /// Force in the element's frame `E_i`, N.
     pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         DVec3::new(
             self.shear_x.force(inputs.displacement.x),

@@ -16,7 +16,7 @@ pub struct ContactEllipse {
     pub semi_axes: [f64; 2],
     /// Standard errors of the semi-axes, m. About 90 % of deviations are within two standard errors.
     pub errors: [f64; 2],
-    /// Direction of the longer semi-axis, a unit vector in the fingertip frame `T`. Its sign has no meaning.
+    /// Direction of the longer semi-axis, a unit vector in the fingertip frame `T`. Its sign is arbitrary.
     pub direction: DVec3,
 }
 
@@ -50,9 +50,9 @@ pub(super) const CELL_VARIANCE: f64 = 1.0 / 12.0;
 /// Maximum ratio of the second moments across and along a line of elements; above zero because of rounding.
 const ON_A_LINE: f64 = 1e-6;
 
-/// Contact ellipse, or `None` if the elements do not resolve it: if fewer than three touch, if they lie on a line, or
-/// if one of them carries nearly the entire force. `tangents` are the axes of positions in `T`, `touching` is the
-/// number of touching elements, and `noise` the standard error of each weight.
+/// Contact ellipse, or `None` if the elements do not resolve it: if fewer than three are in contact, if they lie on a
+/// line, or if one of them carries nearly the entire force. `tangents` are the axes of positions in `T`, `touching` is
+/// the number of elements in contact, and `noise` the standard error of each weight.
 pub(super) fn ellipse(
     elements: impl Iterator<Item = Sample> + Clone,
     tangents: (DVec3, DVec3),

@@ -11,7 +11,8 @@ const NEIGHBOURS: f64 = 2.3;
 
 /// Iterations that compute the contact normal; each reduces the influence of shear.
 const NORMAL_ITERATIONS: usize = 4;
-/// Minimum compression, relative to the threshold, of an isolated element that touches while another is pressed harder.
+/// Minimum compression, relative to the threshold, for an isolated element to count as in contact while another element
+/// is pressed harder.
 const ISOLATED: f64 = 2.0;
 /// Ratio of shear to compression, relative to the coefficient of friction, from which an element counts as sliding.
 const SLIDING: f64 = 0.95;
@@ -30,14 +31,14 @@ pub struct Contact {
     pub force: DVec3,
     /// Standard error of each component of the force, N.
     pub force_error: f64,
-    /// Torque on the fingertip by the object about `normal` through `centre`, N m; positive counterclockwise when
+    /// Torque on the fingertip by the object about `normal` through `centre`, N·m; positive counterclockwise when
     /// looking at the fingertip from outside.
     pub torsion: f64,
-    /// Standard error of the torsion, N m.
+    /// Standard error of the torsion, N·m.
     pub torsion_error: f64,
     /// Extent of the contact, or `None` if the elements do not resolve it.
     pub ellipse: Option<ContactEllipse>,
-    /// Number of touching elements.
+    /// Number of elements in contact.
     pub touching: usize,
     /// Coefficient of friction, or `None` if it is unknown.
     pub friction: Option<f64>,
@@ -48,8 +49,8 @@ pub struct Contact {
 
 /// Estimates the contact of a fingertip from the forces on its elements.
 ///
-/// An element touches if its compression exceeds a threshold. An isolated element between one and two thresholds is
-/// ignored as noise, unless it is the most compressed one. Forces on neighbours of touching elements are included,
+/// An element is in contact if its compression exceeds a threshold. An isolated element between one and two thresholds
+/// is ignored as noise, unless it is the most compressed one. Forces on neighbours of these elements are included,
 /// because the edge of a contact is weakly loaded. The standard error of each force component is assumed to be a third
 /// of the threshold; stated errors include the spacing of the elements, which should be about equal in all directions.
 ///
@@ -61,7 +62,7 @@ pub struct ContactEstimator {
     dome_radius: Option<f64>,
     touch: f64,
     friction: Friction,
-    /// Touching elements and their neighbours in the current frame.
+    /// Elements in contact and their neighbours in the current frame.
     loaded: Vec<Loaded>,
 }
 
@@ -95,8 +96,8 @@ struct Site {
 
 impl ContactEstimator {
     /// Creates an estimator for elements at these positions (m, in `T`), from [`ElementLayout::places`] or
-    /// [`TaxelLayout::elements`](crate::sensor::taxel::TaxelLayout::elements). Elements touch at compressions above
-    /// `touch`, in N, or in counts if the forces are in counts.
+    /// [`TaxelLayout::elements`](crate::sensor::taxel::TaxelLayout::elements). Elements are in contact at compressions
+    /// above `touch`, in N, or in counts if the forces are in counts.
     ///
     /// [`ElementLayout::places`]: crate::sensor::fingertip::ElementLayout::places
     pub fn new(elements: impl IntoIterator<Item = (SensingElement, DVec3)>, touch: f64) -> Self {
@@ -153,9 +154,9 @@ impl ContactEstimator {
     }
 
     /// Estimates the contact from the forces of the next [`TactileFrame`](crate::sensor::forces::TactileFrame), or returns
-    /// `None` if no element touches, or if the forces of touching elements cancel. Does not allocate.
+    /// `None` if no element is in contact, or if the forces on the elements in contact cancel. Does not allocate.
     ///
-    /// Elements without a valid force are ignored, as if they did not touch.
+    /// Elements without a valid force are ignored, as if they were not in contact.
     pub fn estimate(&mut self, forces: &[DVec3]) -> Option<Contact> {
         self.collect_loaded(forces);
         let contact = self
@@ -190,7 +191,7 @@ impl ContactEstimator {
         Some(contact)
     }
 
-    /// Collects touching elements and their neighbours.
+    /// Collects the elements in contact and their neighbours.
     fn collect_loaded(&mut self, forces: &[DVec3]) {
         let valid = |index: usize| forces.get(index).filter(|force| force.is_finite());
         let compression = |index: usize| valid(index).map_or(f64::NEG_INFINITY, |force| force.z);
@@ -220,8 +221,9 @@ impl ContactEstimator {
         }
     }
 
-    /// Normal of the contact: the mean of the elements' normals, weighted by their compression along it, which is stored. An
-    /// object flattens the fingertip, so its surface faces this direction, not those of the unloaded elements.
+    /// Normal of the contact: mean of the elements' normals, weighted by their compression. Stores each element's
+    /// compression along the result, because an object flattens the fingertip, so that its surface faces this direction
+    /// instead of those of the unloaded elements.
     fn contact_normal(&mut self) -> Option<DVec3> {
         let mut normal = DVec3::ZERO;
         for _ in 0..NORMAL_ITERATIONS {
@@ -305,7 +307,7 @@ impl ContactEstimator {
     }
 }
 
-/// Touching elements among `loaded`.
+/// Elements in contact among `loaded`.
 fn touching(loaded: &[Loaded]) -> impl Iterator<Item = &Loaded> + Clone {
     loaded.iter().filter(|loaded| loaded.touches)
 }

@@ -35,7 +35,7 @@ pub(super) struct FrictionEstimator {
 }
 
 impl FrictionEstimator {
-    /// Creates an estimator for `elements` elements, which touch at compressions above `touch` (N).
+    /// Creates an estimator for `elements` elements, which are in contact at compressions above `touch` (N).
     pub fn new(elements: usize, touch: f64) -> Self {
         Self {
             min_compression: MIN_COMPRESSION * touch,
@@ -56,9 +56,9 @@ impl FrictionEstimator {
         self.friction = None;
     }
 
-    /// Updates the estimate with the next frame and returns it, or `None` if no element has begun to slide before others
-    /// yet. `normal` is the outward normal of the contact; `touching` are the indices of the touching elements, each with
-    /// the force on the fingertip there (N in `T`). Does not allocate.
+    /// Updates the estimate with the next frame and returns it, or `None` if no element has begun to slide before
+    /// others yet. `normal` is the outward normal of the contact; `touching` are the indices of the elements in
+    /// contact, each with the force on the fingertip there (N in `T`). Does not allocate.
     pub fn update(
         &mut self,
         normal: DVec3,

@@ -202,7 +202,7 @@ impl DomeProjection {
 
     /// Point of the dome (m, in `T`) that is imaged at column and row `pixel`, px.
     ///
-    /// `None` if no ray is distorted to that pixel.
+    /// `None` if no ray is imaged at that pixel.
     pub fn point_at(&self, pixel: DVec2) -> Option<DVec3> {
         let distorted = (pixel - self.centre) / self.focal_length;
         let slope = distorted / self.distortion.inverse_scale(distorted.length())?;
@@ -225,7 +225,7 @@ impl DomeProjection {
 
     /// Maps column and row `pixel`, px, to the tangent plane of `element` (dewarping).
     ///
-    /// `None` if no ray is distorted to that pixel, or if it shows the opposite half of the dome.
+    /// `None` if no ray is imaged at that pixel, or if the pixel shows the opposite half of the dome.
     pub fn dewarp(&self, pixel: DVec2, element: &SensingElement) -> Option<Dewarped> {
         let plane = |offset: DVec2| {
             let point = element.rotation.transpose() * self.point_at(pixel + offset)?;

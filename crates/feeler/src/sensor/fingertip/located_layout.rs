@@ -50,7 +50,8 @@ pub struct ElementPlace {
     /// Ring, 0 innermost; `None` if the dome is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring: Option<usize>,
-    /// Gray level of the background around the element; `None` if it is the common [`LocatedLayout::dark_level`].
+    /// Gray level that separates the element from the background; `None` if it is the common
+    /// [`LocatedLayout::dark_level`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground_level: Option<u8>,
 }
@@ -72,8 +73,8 @@ pub struct LocatedLayout {
     /// cannot be detected.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub two_level: bool,
-    /// Grey level of the background, unless specified per element. Pixels up to this level count as dark; for dark
-    /// elements, pixels from this level on count as bright.
+    /// Gray level that separates elements from the background, for elements without [`ElementPlace::ground_level`].
+    /// Pixels at or below it (for dark elements: at or above it) belong to the background.
     pub dark_level: u8,
     /// Diameter of a spot, px, if each element consists of one spot; used for tracking markers.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -28,9 +28,10 @@ pub struct DriftConfig {
     /// Maximum displacement of the centroid from its offset for an element to count as unmoved, as a fraction of the
     /// calibration's range of displacements.
     pub displacement_tolerance: f64,
-    /// Gain of the low-pass filter of the common gain per frame, 0 to 1.
+    /// Weight of the latest frame in the low-pass filter of the common gain, 0 to 1.
     pub gain_rate: f64,
-    /// Gain of the low-pass filter of an untouched element's offsets per frame; 0 disables re-zeroing.
+    /// Weight of the latest frame in the low-pass filter of an untouched element's offsets, 0 to 1; 0 disables
+    /// re-zeroing.
     pub rezero_rate: f64,
 }
 

@@ -22,7 +22,7 @@ pub struct Likeness {
     pub alike: usize,
     /// Number of all elements.
     pub elements: usize,
-    /// Mean grey level above the background between the sub-regions, relative to the mean within them.
+    /// Mean gray level above the background between the sub-regions, relative to the mean within them.
     pub between: f64,
 }
 
@@ -68,7 +68,7 @@ impl fmt::Display for Likeness {
     }
 }
 
-/// Mean grey level above `dark_level` of the pixels between the regions, within their common bounding box, relative
+/// Mean gray level above `dark_level` of the pixels between the regions, within their common bounding box, relative
 /// to the mean within the regions. Infinite if the regions are dark.
 fn light_between(picture: &Picture, regions: &[Vec<WeightedPixel>], dark_level: u8) -> f64 {
     let mut within = vec![false; picture.pixels.len()];

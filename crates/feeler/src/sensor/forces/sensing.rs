@@ -47,7 +47,7 @@ pub enum SensingError {
 /// Measurements of one element in one image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ElementReading {
-    /// Integrated gray value G, grey levels times m² (px² for a layout in the image plane).
+    /// Integrated gray value G, gray levels times m² (px² for a layout in the image plane).
     pub integrated_gray: f64,
     /// Centroid c of the gray values in the element's plane, m (px); `None` if the element is dark.
     pub centroid: Option<DVec2>,

@@ -1,6 +1,6 @@
 //! Grayscale images with their exposure times.
 
-/// An 8-bit greyscale image from a fingertip's camera, row by row from the top left. The pixels are owned, or
+/// An 8-bit grayscale image from a fingertip's camera, row by row from the top left. The pixels are owned, or
 /// borrowed as in `Picture<&[u8]>`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Picture<P = Vec<u8>> {
@@ -8,7 +8,7 @@ pub struct Picture<P = Vec<u8>> {
     pub width: usize,
     /// Height, px.
     pub height: usize,
-    /// Grey values, row-major, `width * height` in number; 0 is dark, 255 saturated.
+    /// Gray values, row-major, `width * height` in number; 0 is dark, 255 saturated.
     pub pixels: P,
 }
 

@@ -36,7 +36,7 @@ impl RadialDistortion {
 
     /// Ratio of distorted to undistorted radius at the distorted radius `distorted`.
     ///
-    /// `None` if no slope is distorted to that radius, or the iteration does not converge.
+    /// `None` if no ray is imaged at that radius, or the iteration does not converge.
     pub(in crate::sensor) fn inverse_scale(&self, distorted: f64) -> Option<f64> {
         if (self.k1 == 0.0 && self.k2 == 0.0) || distorted == 0.0 {
             return Some(1.0);

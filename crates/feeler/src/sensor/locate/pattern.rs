@@ -76,11 +76,12 @@ pub enum Unlike {
     },
 }
 
-/// Maximum median deviations between neighbouring spots of a pattern. Scattered points deviate by 30 to 40 % in
-/// spacing; blobs of texture by 10 % in spacing, 25 % in size and 20 % in contrast. Pins, fibres and markers of real
-/// sensors, loaded or not, deviate by at most 4 % in spacing, 8 % in size and 25 % in contrast.
+/// Maximum median deviation of the spacing between neighbouring spots of a pattern. It is 30 to 40 % for scattered
+/// points, 10 % for blobs of texture, and at most 4 % for pins, fibres and markers of real sensors, loaded or not.
 const SPACING: f64 = 0.12;
+/// Maximum median deviation of the size. It is 25 % for blobs of texture, and at most 8 % for real sensors.
 const SIZE: f64 = 0.1;
+/// Maximum median deviation of the contrast. It is 20 % for blobs of texture, and at most 25 % for real sensors.
 const CONTRAST: f64 = 0.3;
 
 /// Deviation in spacing above which spots are considered scattered, regardless of size and contrast: twice that of real

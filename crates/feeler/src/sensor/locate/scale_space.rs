@@ -3,7 +3,7 @@
 use super::reference::ReferencePicture;
 use multiversion::multiversion;
 
-/// Ratio of one scale to the next.
+/// Ratio of each scale to the previous one.
 const STEP: f64 = 1.189_207_115_002_721; // fourth root of 2
 
 /// Finest scale, px: the scale of a spot with a diameter of two pixels.

@@ -98,7 +98,7 @@ pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
 
 /// Measures the spots from their pixels, excluding pixels that are closer to other `blobs`.
 fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) -> Vec<Spot> {
-    /// Minimum response of a blob to be considered, relative to that of the spot.
+    /// Minimum response of another blob whose pixels are excluded, relative to the response of the spot.
     const FAINT: f64 = 0.25;
     let centres: Vec<DVec2> = blobs.iter().map(|blob| blob.centre).collect();
     let cells = Cells::new(&centres);

@@ -46,7 +46,7 @@ pub(super) fn kept(spots: &[Spot], keep: &[bool]) -> Vec<Spot> {
 
 /// Maximum ratio of the responses of neighbouring spots of the same pattern.
 const ALIKE: f64 = 3.0;
-/// Maximum ratio of the distances of neighbouring spots to their nearest spots.
+/// Maximum ratio between the nearest-neighbour distances of neighbouring spots of the same pattern.
 const EVEN: f64 = 1.5;
 
 /// Separates the pattern from surrounding texture, such as that of a housing. Returns the spots of the pattern and the
@@ -108,11 +108,12 @@ fn strongest_component(spots: &[Spot], neighbours: &[Vec<usize>], gaps: &[f64]) 
 /// Separates the pattern from specks: spots that differ from their neighbours in size and do not lie midway between two
 /// of them. Returns the spots of the pattern and the centres of the specks.
 pub(super) fn without_specks(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
-    /// Range of a marker's diameter relative to its neighbours.
+    /// Valid range of a spot's diameter relative to its neighbours.
     const SIZE: Range<f64> = 0.72..1.6;
-    /// Maximum distance from the midpoint between two neighbours, relative to the spacing.
+    /// Maximum distance between a spot and the midpoint of two neighbours for the spot to lie midway, relative to the
+    /// spacing.
     const MIDDLE: f64 = 0.4;
-    /// Minimum distance from all neighbours, relative to the spacing.
+    /// Minimum distance of such a spot from all neighbours, relative to the spacing.
     const GAP: f64 = 0.75;
     if spots.len() < PATTERN {
         return (spots, Vec::new());

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MomentsConfig {
-    /// Maximum grey level of dark pixels, slightly above the background so that its noise does not affect the sums
-    /// (assumed). For dark elements: minimum grey level of the background.
+    /// Maximum gray level of dark pixels, slightly above the background so that its noise does not affect the sums
+    /// (assumed). For dark elements: minimum gray level of the background.
     pub dark_level: u8,
     /// Radius of an element's sub-region about the element's axis, m (assumed: half the pitch of the outermost ring,
     /// so that sub-regions just do not overlap).

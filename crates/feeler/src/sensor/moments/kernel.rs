@@ -45,7 +45,7 @@ use std::ops::Range;
 /// Moments of one element in an image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ElementMoments {
-    /// Integrated gray value G, grey levels times m².
+    /// Integrated gray value G, gray levels times m².
     pub integrated_gray: f64,
     /// Centroid of the gray values in x, y of the element's frame `E_i`, m; zero if the element is dark.
     pub centroid: DVec2,

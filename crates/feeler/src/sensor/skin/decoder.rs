@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// Size of the buffer for one read, bytes; larger reads allocate.
 const READ: usize = 4096;
-/// Number of frames in which a decoder may search for the beginning of one.
+/// Maximum number of frames buffered while searching for the beginning of a frame.
 const FRAMES: usize = 8;
 
 /// Next step of decoding.

@@ -11,16 +11,16 @@ pub enum NumberError {
         "its {0} may be a decimal {0} or a thousands separator; expected another cell that shows which, such as {example}", example = .0.example()
     )]
     Thousands(Mark),
-    /// The decimal mark differs from that of other cells.
+    /// The decimal mark differs from that of the first unambiguous number in the table.
     #[error(
         "it has a decimal {own}, but line {line} has a decimal {other}; expected the same mark in all lines"
     )]
     Mixed {
         /// Decimal mark of this cell.
         own: Mark,
-        /// Decimal mark of the other cells.
+        /// Decimal mark of that number.
         other: Mark,
-        /// Line number of the first of the other cells, from 1.
+        /// Line of that number, from 1.
         line: u64,
     },
 }

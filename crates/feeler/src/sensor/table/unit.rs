@@ -5,7 +5,7 @@
 pub enum Quantity {
     /// Force, N.
     Force,
-    /// Torque, N m.
+    /// Torque, N·m.
     Torque,
     /// Time, s.
     Time,

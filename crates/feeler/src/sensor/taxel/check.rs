@@ -6,8 +6,9 @@ use crate::check::Checker;
 use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use std::collections::HashSet;
 
-/// Maximum number of columns of a table without a header, and maximum number of characters in a name.
+/// Maximum number of columns of a table without a header.
 const MAX_COLUMNS: usize = 8192;
+/// Maximum number of characters in a name.
 const MAX_NAME: usize = 100;
 /// Maximum number of rows that are averaged for a zero.
 const MAX_ZERO_ROWS: u32 = 100_000;

@@ -214,7 +214,8 @@ impl Columns {
     }
 }
 
-/// Error with the prefixes found, if columns of the first taxel exist with other prefixes than the layout's.
+/// Error that lists the prefixes found, if the table contains the first taxel's columns only with other prefixes than
+/// the layout's.
 fn other_prefix(names: &[String], layout: &TaxelLayout, missing: &str) -> Option<TaxelError> {
     let pattern = &layout.columns.x;
     let named = pattern.replace("{n}", &layout.columns.first.to_string());

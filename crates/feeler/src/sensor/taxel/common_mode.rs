@@ -9,8 +9,9 @@ use glam::{DVec2, DVec3};
 /// Minimum number of valid taxels, so that a single one does not dominate the mean.
 pub const FEWEST: usize = 3;
 
-/// Mean of `readings` in the columns x, y and z of each taxel, in the common frame of all taxels; NaN if fewer than
-/// three are valid. Readings that are NaN are ignored. `turns` are the cosine and sine of each taxel's rotation.
+/// Mean of the valid `readings` of all taxels, in a common frame; NaN if fewer than [`FEWEST`] taxels are valid. A
+/// reading contains the columns x, y and z of a taxel; NaN marks an invalid one. `turns` are the cosine and sine of
+/// each taxel's rotation relative to the common frame.
 pub fn mean(axes: &Axes, turns: &[DVec2], readings: impl Iterator<Item = DVec3>) -> DVec3 {
     let (mut sum, mut count) = (DVec3::ZERO, 0_usize);
     for (reading, turn) in readings.zip(turns).filter(|(r, _)| !r.is_nan()) {

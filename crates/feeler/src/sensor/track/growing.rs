@@ -30,8 +30,8 @@ pub(super) struct Matched {
 ///
 /// Matching starts at seeds and extends to neighbouring markers, those with most matched neighbours first. Seeds are
 /// groups of markers with similar displacements, each matched with its nearest spot. The first seeds are markers that
-/// hardly moved; if nearly all markers cannot be matched from there, seeds that moved by up to one and a half spacings
-/// in any direction are tried. Returns the matching with most markers and the smoothest displacement field.
+/// hardly moved; unless nearly all markers are matched from there, seeds that moved by up to one and a half spacings in
+/// any direction are tried. Returns the matching with most markers and the smoothest displacement field.
 pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matched {
     let mut best = grown_best(reference, field, places);
     mend(&mut best, reference, field, places);

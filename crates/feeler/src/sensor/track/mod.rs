@@ -34,10 +34,10 @@ use glam::DVec2;
 /// Deviation from the displacement field, in units of the marker spacing, above which a measurement is of another
 /// marker.
 const MAX_OFF: f64 = 0.45;
-/// Fraction of the markers at the pattern's edge that, if lost within one frame, makes all other markers doubtful: the
-/// pattern may have jumped by a spacing, which leaves one side of its edge without spots.
+/// Maximum fraction of the markers at the pattern's edge that are lost in one image. Above it, all markers are
+/// doubtful, because the pattern may have jumped by a spacing, which leaves one side of its edge without spots.
 const JUMPED: f64 = 0.2;
-/// Fraction of markers that, if mistaken for others within one frame, makes all markers doubtful.
+/// Maximum fraction of markers mistaken for others in one image; above it, all markers are doubtful.
 const MISTAKEN: f64 = 0.02;
 /// Factor that reduces the confidence in a doubtful marker.
 const DOUBT: f64 = 0.3;
@@ -90,8 +90,9 @@ pub struct MarkerTracker {
     seen: Vec<Seen>,
     /// Result of the measurement at each marker's predicted position.
     looks: Vec<Look>,
-    /// Buffer for the contrasts in the latest image, in no particular order, and their median, gray levels.
+    /// Buffer for the contrasts in the latest image, in no particular order, gray levels.
     contrasts_seen: Vec<f64>,
+    /// Median contrast in the latest image, gray levels.
     typical: f64,
 }
 
@@ -217,7 +218,8 @@ impl MarkerTracker {
         Ok(&self.markers)
     }
 
-    /// Matches spots of the size in the layout. Returns `None` unless nearly all markers are matched.
+    /// Matches only spots with the diameter given in the layout, which is fast. Returns `None` if the layout contains
+    /// no diameter or the quality of the matching is below [`QUICKLY_MATCHED`].
     fn matched_quickly<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,

@@ -124,11 +124,13 @@ impl Window {
 /// Part of a window that is inside an image.
 struct Cut {
     width: usize,
-    /// Column and row in the image of the window's corner; may be outside the image.
+    /// Column in the image of the window's left edge; may be outside the image.
     column: isize,
+    /// Row in the image of the window's upper edge; may be outside the image.
     row: isize,
-    /// Columns and rows of the window inside the image.
+    /// Range of the window's columns inside the image.
     columns: (usize, usize),
+    /// Range of the window's rows inside the image.
     rows: (usize, usize),
 }
 

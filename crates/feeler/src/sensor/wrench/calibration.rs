@@ -25,14 +25,14 @@ pub struct AxisModel<T = Terms> {
     pub terms: T,
     /// Ridge penalty on the squared weights; features have a variance of 1.
     pub penalty: f64,
-    /// Prediction if all terms are 0, N, N m or m.
+    /// Prediction if all terms are 0 (N, N·m or m).
     pub intercept: f64,
-    /// Weight of each term, in the order of [`Basis::terms`], N, N m or m.
+    /// Weight of each term, in the order of [`Basis::terms`] (N, N·m or m).
     pub weights: Vec<f64>,
 }
 
 impl<T: Copy> AxisModel<T> {
-    /// Predicts the component from standardised `features`, N, N m or m. Neither allocates nor panics.
+    /// Predicts the component from standardised `features` (N, N·m or m). Neither allocates nor panics.
     pub fn value<B: Basis<Terms = T>>(&self, basis: &B, features: &[f64]) -> f64 {
         let terms = basis.terms(self.terms, features).zip(&self.weights);
         self.intercept + terms.map(|(term, weight)| term * weight).sum::<f64>()

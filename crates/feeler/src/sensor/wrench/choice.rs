@@ -12,9 +12,9 @@ const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
 /// Minimum decrease of the mean error, in standard errors, for a set of terms with lower preference to be chosen. Among
 /// many candidates, one is better by chance.
 const WORTH: f64 = 1.0;
-/// Like [`WORTH`], but for less reliable terms ([`Basis::is_doubtful`]), and the maximum ratio of their mean
-/// square error to that of the other terms.
+/// Like [`WORTH`], but for less reliable terms ([`Basis::is_doubtful`]).
 const WORTH_OF_DOUBTFUL: f64 = 3.0;
+/// Maximum ratio of the mean square error of less reliable terms to that of the other terms.
 const LEFT_BY_DOUBTFUL: f64 = 0.5;
 
 /// Maximum number of rows in the second comparison.

@@ -12,7 +12,7 @@ use glam::DVec3;
 /// Wrench estimated for one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrenchEstimate {
-    /// Components in the order of [`WrenchAxis::ALL`], N, N m or m, in the frame and with the sign of the measurements
+    /// Components in the order of [`WrenchAxis::ALL`] (N, N·m or m), in the frame and with the sign of the measurements
     /// (see [`wrench`](super)). `None` for components that are not calibrated, for the place of contact if nothing is
     /// touched, and for all components if more than a tenth of the elements are dark or saturated.
     pub components: [Option<f64>; AXES],
@@ -24,7 +24,7 @@ pub struct WrenchEstimate {
 }
 
 impl WrenchEstimate {
-    /// Returns a component, N, N m or m, or `None` if unknown.
+    /// Returns a component (N, N·m or m), or `None` if unknown.
     pub fn component(&self, axis: WrenchAxis) -> Option<f64> {
         self.components[axis.index()]
     }

@@ -2,7 +2,7 @@
 //!
 //! A [`table`](crate::sensor::table) with a column `picture` (a file relative to the CSV, or `FILE@TIME` for the frame
 //! of a recording or video at a time in s), or instead with columns `recording` (an .mcap file or a video) and `time`
-//! (s). The table has at least one of the columns `f_x, f_y, f_z` (N), `m_x, m_y, m_z` (N m) and `p_x, p_y` (place of
+//! (s). The table has at least one of the columns `f_x, f_y, f_z` (N), `m_x, m_y, m_z` (N·m) and `p_x, p_y` (place of
 //! contact, m), in any order; other columns are ignored. A cell is empty if nothing was measured. A column `recording`
 //! next to `picture` groups the images; without it, images are grouped by name ([`recordings`](super::recordings)).
 

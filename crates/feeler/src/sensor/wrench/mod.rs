@@ -61,13 +61,13 @@ pub enum WrenchAxis {
     /// Force along z, N.
     #[serde(rename = "f_z")]
     ForceZ,
-    /// Torque about x, N m.
+    /// Torque about x, N·m.
     #[serde(rename = "m_x")]
     TorqueX,
-    /// Torque about y, N m.
+    /// Torque about y, N·m.
     #[serde(rename = "m_y")]
     TorqueY,
-    /// Torque about z, N m.
+    /// Torque about z, N·m.
     #[serde(rename = "m_z")]
     TorqueZ,
     /// Place of contact along x, m.
@@ -128,5 +128,5 @@ impl WrenchAxis {
     }
 }
 
-/// A measured wrench: forces in N, torques in N m and the place of contact in m, `None` for components that were not measured.
+/// A measured wrench: forces in N, torques in N·m and the place of contact in m, `None` for components that were not measured.
 pub type MeasuredWrench = [Option<f64>; AXES];

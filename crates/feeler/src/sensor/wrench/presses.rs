@@ -41,7 +41,7 @@ pub(super) fn presses<B: Basis>(samples: &[&SampleOf<B>]) -> Vec<Vec<usize>> {
     presses
 }
 
-/// Largest magnitudes of force (N) and torque (N m); `None` if neither was measured.
+/// Largest magnitudes of force (N) and torque (N·m); `None` if neither was measured.
 fn largest_values<B: Basis>(samples: &[&SampleOf<B>]) -> Option<[f64; 2]> {
     let mut largest = [0.0, 0.0];
     for sample in samples {
@@ -63,7 +63,7 @@ fn load(wrench: &MeasuredWrench, [force, torque]: &[f64; 2]) -> f64 {
     part(Quantity::Force, *force).max(part(Quantity::Torque, *torque))
 }
 
-/// Magnitude of the measured components of a force (N) or torque (N m).
+/// Magnitude of the measured components of a force (N) or torque (N·m).
 fn length(wrench: &MeasuredWrench, quantity: Quantity) -> f64 {
     let own = WrenchAxis::ALL
         .iter()

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Minimum number of samples with increasing and with decreasing load for an estimate of hysteresis.
 const MIN_CYCLED: usize = 3;
 
-/// Statistics of the errors (predicted minus measured) on held-out samples, N, N m or m.
+/// Statistics of the errors (predicted minus measured) on held-out samples (N, N·m or m).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Errors {
@@ -62,21 +62,21 @@ pub struct RecordingQuality {
 pub struct AxisQuality {
     /// The component.
     pub axis: WrenchAxis,
-    /// Minimum and maximum of the measured values, N, N m or m.
+    /// Minimum and maximum of the measured values (N, N·m or m).
     pub range: [f64; 2],
-    /// Root mean square error of the constant prediction by the mean of the measured values, for comparison; N, N m or
-    /// m.
+    /// Root mean square error of the constant prediction by the mean of the measured values, for comparison (N, N·m or
+    /// m).
     pub mean_rmse: f64,
     /// Errors if blocks of time are held out. Everything is fitted again without them, including the choice of terms
     /// and penalty.
     pub blocks: Errors,
     /// R² with blocks held out: 1 for perfect predictions, 0 for predictions no better than the mean.
     pub r2: f64,
-    /// Hysteresis: mean error under increasing load minus mean error under decreasing load, with blocks held out, N, N
-    /// m or m; `None` if unknown.
+    /// Hysteresis: mean error under increasing load minus mean error under decreasing load, with blocks held out (N,
+    /// N·m or m); `None` if unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<f64>,
-    /// Half-width of the error band that contains 95 % of the valid samples, N, N m or m, from held-out recordings and
+    /// Half-width of the error band that contains 95 % of the valid samples (N, N·m or m), from held-out recordings and
     /// blocks of time; `None` if there are too few samples. Includes hysteresis and preload, which the novelty check
     /// does not detect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -97,7 +97,7 @@ impl AxisQuality {
     }
 }
 
-/// Measured value of one component in one sample, with its held-out predictions, N, N m or m.
+/// Measured value of one component in one sample, with its held-out predictions (N, N·m or m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
     /// Index of the recording.
@@ -127,7 +127,7 @@ pub(super) fn quantile(mut values: Vec<f64>, part: f64) -> Option<f64> {
     values.get(place).or(values.last()).copied()
 }
 
-/// Half-width of the error band that contains 95 % of the samples within novelty distance `limit`, N, N m or m; `None`
+/// Half-width of the error band that contains 95 % of the samples within novelty distance `limit` (N, N·m or m); `None`
 /// if there are fewer than 20 samples.
 ///
 /// The larger of two bands: the 95 % quantile of the errors over blocks of time, and the prediction interval of a new

@@ -96,11 +96,11 @@ impl Spectrum {
     }
 }
 
-/// Rows hidden in a fold, expressed in the directions of a [`Spectrum`] and of the mean: `V` with `H_SS = V
-/// diag(shares) Vᵀ`.
+/// Hidden rows S of a fold. Their block of the hat matrix is `H_SS = V diag(shares) Vᵀ`, where `V` contains the
+/// principal directions of a [`Spectrum`] and a constant column for the mean.
 struct HiddenRows {
     directions: DMatrix<f64>,
-    /// `Vᵀ V` if it is smaller than `H_SS`.
+    /// `Vᵀ V`, for the Woodbury identity; `None` if `V` has at least as many columns as rows.
     gram: Option<DMatrix<f64>>,
     /// `true` for rows that are predicted.
     is_held: Vec<bool>,

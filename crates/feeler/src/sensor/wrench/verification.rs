@@ -50,7 +50,7 @@ pub struct AxisVerification {
     pub outside: usize,
     /// Minimum number of presses outside the band for which the component is rejected.
     pub rejected_from: usize,
-    /// Errors of the valid samples, N, N m or m; `None` if no sample is valid.
+    /// Errors of the valid samples (N, N·m or m); `None` if no sample is valid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub errors: Option<Errors>,
     /// Slope of the regression of measured on predicted values, minus 1; `None` if predictions are constant.

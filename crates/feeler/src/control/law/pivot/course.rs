@@ -1,4 +1,4 @@
-//! Path of a finger in the phase MOVE, and how far the planned straight line deviates from a circle.
+//! Path of a finger in the phase MOVE, and deviation of the planned straight line from a circle.
 
 use super::circle::Circle;
 use glam::DVec2;

@@ -68,17 +68,20 @@ pub(super) struct Finger {
     motion: Motion,
     /// Sequence number of the latest tactile frame.
     newest: Option<u64>,
-    /// Grasp force (N), largest element force (N) and its low-passed rate (N/s).
+    /// Grasp force (N).
     grip: f64,
+    /// Largest element force (N).
     force: f64,
+    /// Rate of change of the largest element force, low-pass filtered (N/s).
     force_rate: f64,
     frame_stamp: f64,
     /// Position of the dome's centre (m, x and y in W).
     position: DVec2,
     /// Position at which the first closing motion began (m); `None` before it.
     home: Option<DVec2>,
-    /// First contacts of the latest and the previous closing motion.
+    /// First contact of the latest closing motion.
     onset: Option<Onset>,
+    /// First contact of the previous closing motion.
     onset_before: Option<Onset>,
     course: MovePath,
     record: StrokeRecord,

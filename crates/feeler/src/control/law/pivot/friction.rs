@@ -5,13 +5,15 @@
 const SLIP_NOISES: f64 = 4.0;
 /// Fraction of the friction coefficient above which an element counts as near the limit.
 const NEAR: f64 = 0.92;
-/// Loss of shear above which an element has slipped in any case, relative to its normal force.
+/// Loss of shear, relative to the normal force, above which an element has slipped even if it was not near the friction
+/// limit.
 const LARGE_LOSS: f64 = 0.2;
 /// Valid range of friction coefficients.
 const RANGE: (f64, f64) = (0.1, 3.0);
-/// Weight of a force ratio above the estimated coefficient, with or without a slip.
+/// Weight of a measured force ratio in the estimated coefficient if the ratio is larger, with or without a slip.
 const RISE: f64 = 0.3;
-/// Weight of a slip at a force ratio below the estimated coefficient, as it may be a false alarm.
+/// Weight of the force ratio at a slip in the estimated coefficient if the ratio is smaller; the slip may be a false
+/// alarm.
 const FALL: f64 = 0.1;
 /// Relative increase of the coefficient while there is no slip (1/s), so that the grip decreases until an element
 /// slips.

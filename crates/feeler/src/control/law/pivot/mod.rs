@@ -143,7 +143,7 @@ impl Pivot {
     }
 
     /// Updates slip detection and the required grasp force of each finger. All fingers turn the same object, so the
-    /// element that sticks best, on any finger, shows how far the object has followed their motion.
+    /// smallest of their estimates of the fraction of the motion that the object has followed applies to all of them.
     fn feel_slip(&mut self, hand: &HandReadings<'_>) {
         let fingers = self.fingers.iter_mut().zip(hand.fingers());
         let along = fingers.map(|(finger, sense)| finger.foretell_shear(&sense));

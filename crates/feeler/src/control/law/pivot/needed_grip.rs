@@ -22,8 +22,9 @@ const MIN_TOUCH: f64 = 1.5;
 const GAIN: f64 = 10.0;
 /// Maximum relative error to which the gain is applied.
 const LARGEST_ERROR: f64 = 0.5;
-/// Maximum speeds towards the object and away from it (m/s).
+/// Maximum speed towards the object (m/s).
 const INWARD_SPEED: f64 = 0.05;
+/// Maximum speed away from the object (m/s).
 const OUTWARD_SPEED: f64 = 0.004;
 /// Lead time for extrapolating the load (s): about one control period plus the drive lag.
 const LOAD_LEAD: f64 = 0.03;
@@ -95,17 +96,18 @@ pub(super) struct NeededGrip {
     friction: Friction,
     /// F1: compression above which an element is in contact (N).
     touch_force: f64,
-    /// Sequence number of the latest frame, and whether [`Self::feel`] has yet to process it.
+    /// Sequence number of the latest frame.
     newest: Option<u64>,
+    /// `true` if [`Self::feel`] has not processed that frame yet.
     is_new: bool,
     stamp: f64,
     /// Interval between the two latest frames (s).
     interval: f64,
     /// Variance of the noise of a shear component (N²).
     noise: f64,
-    /// Sums over the elements in contact: force along the surface normal, and along the surface tangent perpendicular
-    /// to z of W.
+    /// Sum over the elements in contact of the force along the surface normal.
     normal: Tracked,
+    /// Sum over the elements in contact of the force along the surface tangent perpendicular to z of W.
     load: Tracked,
     /// Additional grasp force after the latest slip, relative to the minimum.
     extra: f64,

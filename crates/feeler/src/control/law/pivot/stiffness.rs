@@ -18,8 +18,9 @@ const RATIO: (f64, f64) = (0.1, 1.0);
 #[derive(Debug, Clone)]
 pub(super) struct StiffnessFit {
     elements: Vec<Touched>,
-    /// Slopes of force over motion, normal and tangential, from all contacts that have ended.
+    /// Slope of normal force over motion, from all contacts that have ended.
     normal: Slope,
+    /// Slope of tangential force over motion, from all contacts that have ended.
     shear: Slope,
 }
 
@@ -28,9 +29,11 @@ pub(super) struct StiffnessFit {
 struct Touched {
     /// Position of the undeformed tip at first contact (m, in W).
     first: DVec3,
-    /// Number of frames in contact, and mean motion (m) and force (N) over them, in the element's frame.
+    /// Number of frames in contact.
     frames: f64,
+    /// Mean motion over these frames, in the element's frame (m).
     motion: DVec3,
+    /// Mean force over these frames, in the element's frame (N).
     force: DVec3,
     normal: Slope,
     shear: Slope,

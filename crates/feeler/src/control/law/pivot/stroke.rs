@@ -36,8 +36,9 @@ struct Sector {
     radius: f64,
     /// Mean grasp force (N).
     grip: f64,
-    /// Mean and maximum of the largest element force (N).
+    /// Mean of the largest element force in the sector (N).
     mean_force: f64,
+    /// Maximum of the largest element force in the sector (N).
     most_force: f64,
 }
 

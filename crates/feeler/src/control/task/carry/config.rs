@@ -55,7 +55,7 @@ pub struct CarryConfig {
     /// Speed of release and return (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// Maximum distance from home at which a finger counts as home (m).
+    /// Maximum distance from home for a finger to count as returned (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
     /// Waypoints of the path, relative to the position at which the object was grasped.

@@ -13,11 +13,13 @@ pub struct Grip {
     friction: f64,
     /// Ratio of the pressing force to the minimum that holds the object.
     margin: f64,
-    /// Minimum and maximum pressing force of a finger (N).
+    /// Minimum pressing force of a finger (N).
     least: f64,
+    /// Maximum pressing force of a finger (N).
     most: f64,
-    /// Load on each finger, and its latest shear (N).
+    /// Estimated load on each finger (N).
     load: f64,
+    /// Latest mean shear of a finger (N).
     shear: f64,
 }
 

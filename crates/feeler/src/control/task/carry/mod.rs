@@ -30,12 +30,15 @@ use way::Way;
 struct Holder {
     home: DVec3,
     approach: DVec3,
-    /// Positions at which the finger grasped and released the object (m, in W).
+    /// Position at which the finger grasped the object (m, in W).
     took: DVec3,
+    /// Position at which the finger released the object (m, in W).
     let_go: DVec3,
-    /// Magnitude of the force on the finger, its component across the approach direction, and the pressing force (N).
+    /// Magnitude of the force on the finger (N).
     force: f64,
+    /// Component of that force perpendicular to the approach direction (N).
     shear: f64,
+    /// Pressing force (N): component of that force against the approach direction.
     pressing: f64,
     /// Time of the latest contact (s).
     touched: f64,

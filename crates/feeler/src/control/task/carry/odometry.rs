@@ -24,11 +24,13 @@ pub struct Odometry {
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     weight: f64,
-    /// Weighted sums of the tips' positions and displacements (m).
+    /// Sum of the tips' positions, weighted by force (N·m).
     tips: DVec3,
+    /// Sum of the tips' displacements, weighted by force (N·m).
     moved: DVec3,
-    /// Weighted sums for the rotation about W's z: lever arm times motion, and squared lever arm (m²).
+    /// Sum of lever arm times tangential motion about W's z axis, weighted by force (N·m²).
     turning: f64,
+    /// Sum of squared lever arms about W's z axis, weighted by force (N·m²).
     inertia: f64,
 }
 

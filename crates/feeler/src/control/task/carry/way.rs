@@ -9,8 +9,9 @@ pub struct Way {
     waypoints: Vec<Waypoint>,
     /// Speed along the path (m/s).
     speed: f64,
-    /// Index of the next waypoint, and the time of arrival there (s).
+    /// Index of the next waypoint.
     next: usize,
+    /// Time of arrival at that waypoint (s); `None` before.
     arrived: Option<f64>,
     /// Reference position relative to the grasp position (m, in W).
     pub wanted: DVec3,

@@ -51,7 +51,7 @@ pub struct ContourConfig {
     /// Speed of release and return (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// Maximum distance from home at which the finger counts as home (m).
+    /// Maximum distance from home for the finger to count as returned (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
     /// Mechanical properties of the feelers (rubber columns of the sensing elements).

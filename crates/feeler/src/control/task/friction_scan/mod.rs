@@ -36,8 +36,9 @@ const FRAMES_AT_REST: u64 = 10;
 pub struct FrictionScan {
     config: FrictionScanConfig,
     home: DVec3,
-    /// Pressing and sliding direction, orthogonal unit vectors in W.
+    /// Pressing direction, a unit vector in W.
     approach: DVec3,
+    /// First sliding direction, a unit vector in W perpendicular to `approach`.
     slide: DVec3,
     phase: Phase,
     stroke: u32,

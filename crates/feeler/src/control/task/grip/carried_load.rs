@@ -1,4 +1,4 @@
-//! Estimates the load of an object while it is carried: its start, its mean, and whether it has decreased.
+//! Estimates the load of a carried object: its start, its mean and its decrease.
 
 use crate::control::grasp_slip::part;
 use glam::DVec3;
@@ -17,8 +17,9 @@ const MEAN: f64 = 0.2;
 pub(super) struct CarriedLoad {
     /// Minimum change of the shear that counts as a load (N).
     threshold: f64,
-    /// Present shear, and the shear that remains from closing (N, in W).
+    /// Present mean shear of the fingers, low-pass filtered (N, in W).
     present: DVec3,
+    /// Mean shear that remains from closing, before the object is lifted (N, in W).
     closing: DVec3,
     /// Mean load while the object is carried (N, in W).
     mean: DVec3,

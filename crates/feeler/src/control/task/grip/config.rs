@@ -43,10 +43,11 @@ pub struct GripConfig {
     /// Fraction of the carried load below which the object counts as put down.
     #[serde(default = "default::put_down_share")]
     pub put_down_share: f64,
-    /// Duration for which the load must be that low (s); longer than the dips of a load that is shaken.
+    /// Duration for which the load must be below that fraction before the object counts as put down (s). It must exceed
+    /// the dips in the load of a shaken object.
     #[serde(default = "default::put_down_time")]
     pub put_down_time: f64,
-    /// Minimum load of a finger that counts as carried (N).
+    /// Change of the mean shear of the fingers, after closing, above which the object counts as carried (N).
     #[serde(default = "default::carried_load")]
     pub carried_load: f64,
     /// Duration without contact of a finger after which the object counts as lost (s).
@@ -55,12 +56,12 @@ pub struct GripConfig {
     /// Speed of release (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// Maximum distance from home at which a finger counts as home (m).
+    /// Maximum distance from home for a finger to count as returned (m).
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
     /// Start position and closing direction of each finger.
     pub finger: Vec<CarryFinger>,
-    /// Stiffness and tip radius of the feelers.
+    /// Stiffness and tip radius of the columnar feelers.
     #[serde(default)]
     pub feeler: FeelerShape,
     /// Parameters of the law `partial-slip`. `known-friction` also uses `slip_from`, `slip_gain` and `load_time`.
@@ -190,7 +191,7 @@ impl Default for PartialSlipConfig {
     }
 }
 
-/// Parameters of the laws that close the fingers while they detect slip.
+/// Parameters of the laws that close the fingers while slip is detected.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SlipReflexConfig {

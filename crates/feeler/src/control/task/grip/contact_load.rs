@@ -76,7 +76,7 @@ impl FingerLoad {
     /// `touch_force` (N). Smaller forces are included in the sums, because they add up.
     ///
     /// Shear and torsion limit each other like the axes of an ellipsoid (Howe and Cutkosky, Int. J. Robotics Research
-    /// 15, 1996): with shear `S` (N) and torsion `M` (N m), the contact slips at `(S / μN)² + (M / μ Σ n ρ)² = 1`,
+    /// 15, 1996): with shear `S` (N) and torsion `M` (N·m), the contact slips at `(S / μN)² + (M / μ Σ n ρ)² = 1`,
     /// where `μ` is the friction coefficient, `N` the pressing force (N), and `n` the pressing force of an element at
     /// the distance `ρ` (m) from the centre of pressure.
     pub fn new(

@@ -9,8 +9,9 @@ const PLAUSIBLE: (f64, f64) = (100.0, 1e5);
 /// Force controller with an estimate of the contact stiffness.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ForceControl {
-    /// Sums of squared changes of the closing distance (m²) and of their products with changes of the grip force (N m).
+    /// Sum of squared changes of the closing distance (m²).
     squares: f64,
+    /// Sum of the products of changes of closing distance and grip force (N·m).
     products: f64,
     /// Previous closing distance (m) and grip force (N).
     previous: Option<(f64, f64)>,

@@ -41,7 +41,7 @@ const SLOW: f64 = 0.3;
 /// settles.
 const INCLINED_FROM: f64 = 0.2;
 /// Gain of the planned return to the position of the grasp, if a policy controls the fingers (1/s). It is low, so that
-/// the planned velocity is a measure of how far the finger has closed.
+/// the planned velocity is a measure of the finger's closing distance.
 const HOLDING: f64 = 1.0;
 /// Distance by which each finger retracts from the object before it returns (m).
 const CLEARANCE: f64 = 0.002;
@@ -91,8 +91,9 @@ pub struct Grip {
     /// Time at which the load became low (s); `None` if it is not low.
     low_since: Option<f64>,
     phase: Phase,
-    /// Time of the previous step (s), and sequence numbers of its frames.
+    /// Time of the previous step (s); `None` before the first one.
     previous: Option<f64>,
+    /// Sequence number of each finger's latest frame.
     frames: [u64; MAX_FINGERS],
     findings: [Finding; 3],
     outcome: Option<&'static str>,
@@ -142,7 +143,8 @@ impl Grip {
         self.mean(|jaw| jaw.load.equivalent)
     }
 
-    /// Mean load of a finger as a vector (N, in W); forces of the fingers on each other cancel.
+    /// Mean of the shear forces on all fingers (N, in W), in which the forces that the fingers exert on each other
+    /// through the object cancel.
     fn load_vector(&self) -> DVec3 {
         let sum: DVec3 = self.jaws.iter().map(|jaw| jaw.load.shear).sum();
         sum / self.jaws.len().max(1) as f64

@@ -34,13 +34,13 @@ pub struct PartialSlip {
     friction: f64,
     /// The larger of the friction estimate and the present ratio at the edge.
     edge: f64,
-    /// Sums of the present and of the filtered ratios at the edges of the fingers added in this step, and number of
-    /// these fingers.
+    /// Sums of the present and of the filtered ratios at the edges of the fingers added in this step.
     edges: [f64; 2],
+    /// Number of fingers added in this step.
     felt: usize,
-    /// Sums of shear (N, in W) and pressing force (N) over all elements of the fingers added in this step, and their
-    /// ratio.
+    /// Sums of shear (N, in W) and pressing force (N) over all elements of the fingers added in this step.
     total: DVec4,
+    /// Ratio of total shear to total pressing force in the latest step.
     ratio: f64,
     /// Largest recent load of a finger (N).
     load: f64,

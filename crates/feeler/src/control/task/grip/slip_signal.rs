@@ -1,4 +1,4 @@
-//! Slip detectors of the laws that close the fingers while they detect slip.
+//! Slip detectors of the laws that close the fingers while slip is detected.
 
 use super::config::{GripConfig, GripLaw};
 use crate::control::grasp_slip::{GraspDrag, GraspDragConfig};

@@ -1,4 +1,4 @@
-//! Estimates the softness of an object from the force on the most compressed feelers while the gripper closes.
+//! Estimates the softness of an object from the force on the most compressed columnar feelers while the gripper closes.
 
 use crate::control::feeler_shape::FeelerShape;
 

@@ -9,17 +9,19 @@ use nalgebra::{SMatrix, SVector};
 const UNIT: f64 = 1e-3;
 /// Standard deviation of the position of a tip (m).
 const TIP_ERROR: f64 = 1e-5;
-/// Prior standard deviation of the slope of objects. With few tips, the surface is estimated as flat as they allow.
+/// Prior standard deviation of the slope of an object's surface. With few tips, it makes the estimate as flat as their
+/// positions permit.
 const SLOPE_DEVIATION: f64 = 1.0;
-/// Prior standard deviation of the curvature of objects (1/m).
+/// Prior standard deviation of the curvature of an object's surface (1/m).
 const CURVATURE_DEVIATION: f64 = 300.0;
 
 /// Surface of an object: depth along the closing direction, as a second-order polynomial in the coordinates
 /// perpendicular to it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
-    /// Closing direction and the axes perpendicular to it, unit vectors in W.
+    /// Closing direction, a unit vector in W.
     approach: DVec3,
+    /// Axes perpendicular to the closing direction, unit vectors in W.
     across: [DVec3; 2],
     /// Origin of the coordinates (m, in W).
     origin: DVec3,

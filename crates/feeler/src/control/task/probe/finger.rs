@@ -29,17 +29,20 @@ const LOST: u32 = 20;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Finger {
     home: DVec3,
-    /// Unit vectors (in W): towards the object, along the stroke, and along the object's axis.
+    /// Unit vector towards the object, in W.
     approach: DVec3,
+    /// Unit vector along the stroke, in W.
     stroke: DVec3,
+    /// Unit vector along the object's axis, in W.
     axis: DVec3,
     /// Distance along the stroke direction from home to the middle place (m).
     middle: f64,
     /// Sign of the order of places along the stroke. Neighbouring fingers probe on the same side of the object, so that
     /// their torques cancel.
     side: f64,
-    /// Largest `F_z` of an element (N), now and at the first contact.
+    /// Largest `F_z` of an element (N).
     force: f64,
+    /// Largest `F_z` of an element at the first contact (N).
     touch_force: f64,
     /// Distance from home towards the object at the first contact at this place (m).
     touched_at: Option<f64>,

@@ -24,9 +24,9 @@ use crate::control::stop_reason::StopReason;
 use finger::{Finger, PLACES};
 use glam::DVec3;
 
-/// Durations of the rest before the first step and of the pauses between steps (s), in which drives settle. Noise is
-/// measured in the first.
+/// Duration of the rest before the first step (s), in which noise is measured.
 const REST: f64 = 0.5;
+/// Duration of the pause between steps (s), in which drives settle.
 const PAUSE: f64 = 0.1;
 
 /// State machine of the task.

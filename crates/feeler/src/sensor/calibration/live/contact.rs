@@ -3,9 +3,9 @@
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec2;
 
-/// Limits of an element's deviation, in standard deviations of the unloaded moments: below the first it counts as
-/// untouched, from the second on as touched.
+/// Deviation below which an element counts as untouched, in standard deviations of the unloaded moments.
 const UNTOUCHED: f64 = 6.0;
+/// Deviation from which an element counts as touched, in standard deviations of the unloaded moments.
 const TOUCHED: f64 = 12.0;
 /// Minimum share of one element in the total squared deviation for it to count as the only touched element.
 const ALONE: f64 = 0.8;
@@ -31,8 +31,9 @@ pub struct Untouched {
 struct Noise {
     gray: f64,
     centroid: DVec2,
-    /// Standard deviations of gray value and centroid.
+    /// Standard deviation of the integrated gray value.
     of_gray: f64,
+    /// Standard deviation of the centroid.
     of_centroid: f64,
 }
 

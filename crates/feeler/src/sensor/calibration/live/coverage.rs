@@ -5,8 +5,9 @@ use std::fmt;
 
 /// Number of equal steps of compression from zero to full scale; each step must be sampled.
 const STEPS: usize = 5;
-/// Number of samples required, and kept at most, of each kind of load.
+/// Required number of samples of each kind of load.
 const ENOUGH: u32 = 4;
+/// Maximum number of samples of each kind of load; further ones are not kept.
 const MOST: u32 = 8;
 /// Minimum shear force along an axis, as a fraction of full scale.
 const SHEARED: f64 = 0.3;
@@ -30,8 +31,8 @@ pub struct Goal {
 }
 
 impl Coverage {
-    /// Counts a sample with this force (N) in the element's frame. Returns `false` if enough samples of its kind have
-    /// been kept, or if the force is out of range.
+    /// Counts a sample with this force (N) in the element's frame. Returns `false` if enough samples of this kind of
+    /// load have been kept, or if the force is out of range.
     pub fn count(&mut self, force: DVec3, goal: &Goal) -> bool {
         let step = (force.z / goal.normal * STEPS as f64).floor();
         if !(0.0..STEPS as f64).contains(&step) {

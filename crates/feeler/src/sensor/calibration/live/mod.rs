@@ -4,13 +4,14 @@
 //! 1. **Untouched**: measures forces and images without load.
 //! 2. **Presses**: estimates the latency of images relative to forces from their correlation.
 //! 3. **Loads**: collects samples. An image in which only one element is touched becomes a sample of that element, if
-//!    forces of its kind are still missing and the force changes slowly enough for the latency estimate.
+//!    more samples of this kind of load are required and the force changes slowly compared with the accuracy of the
+//!    latency.
 //!
 //! If elements cannot be loaded individually, [`LiveWrench`] guides through loading the whole fingertip, in rounds.
 //! [`LivePresses`] guides through a few presses that verify a calibration.
 //!
-//! Times are arrival times, or exposure times if the camera reports them, on one clock. Forces are those on the
-//! fingertip by the object.
+//! Times are arrival times, or exposure times if the camera reports them, on one clock. Forces act on the fingertip and
+//! are exerted by the object.
 
 mod axes;
 mod contact;
@@ -59,7 +60,7 @@ pub enum Seen {
     Nothing,
     /// Several elements are touched, or the force changes too fast or is unknown at the image's time.
     Unclear,
-    /// The force exceeds the goal, or enough samples of its kind are kept.
+    /// The force exceeds the goal, or enough samples of this kind of load are kept.
     Enough {
         /// Index of the touched element.
         element: usize,

@@ -17,9 +17,9 @@ const CORRELATED: f64 = 0.9;
 /// Minimum number of complete presses for estimating the delay. The response of images is nonlinear in the force; if
 /// only one flank of a press were recorded, this would look like a delay.
 const PRESSES: u32 = 3;
-/// Maximum rate of change of the force on a sample, in full scales per second, and the time over which it is measured,
-/// s.
+/// Maximum rate of change of the force during a sample, in full scales per second.
 const FASTEST: f64 = 2.0;
+/// Time over which that rate of change is measured, s.
 const CHANGE_TIME: f64 = 0.02;
 /// Time constant with which the tare follows the reading of the unloaded force sensor, s.
 const TARE_TIME: f64 = 2.0;
@@ -146,13 +146,14 @@ impl Synchronizer {
         self.stage() != Stage::Loads || newest.is_some_and(|newest| newest >= needed)
     }
 
-    /// Time (s) at which the load shown in an image taken at time `at` was measured.
+    /// Time (s) of the load measurements that correspond to an image with the time stamp `at` (s): earlier by the
+    /// latency.
     fn time_of_picture(&self, at: f64) -> f64 {
         at - self.delay.map_or(0.0, |delay| delay.seconds)
     }
 
-    /// Load shown in an image taken at time `at` (s), with the tare subtracted. `None` if it is unknown or changes too
-    /// fast for the accuracy of the delay.
+    /// Load during the exposure of an image with the time stamp `at` (s), with the tare subtracted. `None` if it is
+    /// unknown or changes too fast for the accuracy of the delay.
     pub(super) fn load_of_picture(&self, at: f64) -> Option<Wrench> {
         let time = self.time_of_picture(at);
         let half = 0.5 * CHANGE_TIME;

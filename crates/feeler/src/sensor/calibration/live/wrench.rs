@@ -9,23 +9,24 @@ use std::fmt;
 
 /// Number of equal steps of compression from zero to full scale; each step must be sampled.
 const STEPS: usize = 5;
-/// Directions of shear in the fingertip frame, and the minimum forces of the two levels of shear in each direction, as
-/// fractions of full scale.
+/// Directions of shear in the fingertip frame.
 const DIRECTIONS: [&str; 4] = ["+x", "-x", "+y", "-y"];
+/// Minimum forces of the two levels of shear in each direction, as fractions of full scale.
 const SHEARED: [f64; 2] = [0.3, 0.65];
-/// Number of rounds, and number of samples of each kind per round. Cross-validation holds out a fifth of the time; the
-/// remaining rounds must cover all kinds of loads.
+/// Number of rounds. Cross-validation holds out a fifth of the time; the remaining rounds must cover all kinds of
+/// loads.
 const ROUNDS: u32 = 5;
+/// Number of samples of each kind of load per round.
 const PER_ROUND: u32 = 4;
 /// Minimum time between samples, s; consecutive images show the same load.
 const APART: f64 = 0.1;
 
-/// Force (N) and torque (N m) on the fingertip by the object, in the fingertip frame.
+/// Force (N) and torque (N·m) on the fingertip by the object, in the fingertip frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
     /// Force, N.
     pub force: DVec3,
-    /// Torque about the force sensor's origin, N m.
+    /// Torque about the force sensor's origin, N·m.
     pub torque: DVec3,
 }
 
@@ -61,7 +62,8 @@ pub struct WrenchCoverage {
 
 impl WrenchCoverage {
     /// Counts a sample with this force (N) on the fingertip, with z outward along its axis, so that pressing is
-    /// negative. Returns `false` if this round needs no more samples of its kind, or if the force is out of range.
+    /// negative. Returns `false` if this round needs no more samples of this kind of load, or if the force is out of
+    /// range.
     pub fn count(&mut self, force: DVec3, goal: &Goal) -> bool {
         let step = (-force.z / goal.normal * STEPS as f64).floor();
         if !(0.0..STEPS as f64).contains(&step) {
@@ -167,7 +169,7 @@ pub enum SeenWrench {
     Nothing,
     /// The load changes too fast or is unknown at the image's time.
     Unclear,
-    /// The load exceeds the goal, is a pull, or enough samples of its kind are kept in this round.
+    /// The load exceeds the goal or is tensile, or this round needs no more samples of this kind of load.
     Enough(Wrench),
     /// A new sample was taken.
     Sample(Wrench),

@@ -20,7 +20,7 @@ pub enum LoadCheckError {
         high: f64,
         /// Reason for the limit.
         reason: &'static str,
-        /// Unit in which the numbers probably are.
+        /// Probable unit of the numbers.
         unit: &'static str,
     },
     /// The loads of one element match the images of another.
@@ -39,7 +39,7 @@ pub enum LoadCheckError {
         /// Correlation of the loads with the gray value of `shown`.
         other: f64,
     },
-    /// The axes of the forces contradict the images.
+    /// The images show the forces along other axes, or with other signs, than the loads.
     #[error(
         "{}in {contradicted} of {judged} elements, the first of them {first}, the images contradict the loads: {what}",
         recording.as_ref().map_or_else(String::new, |recording| format!("recording {recording:?}: "))

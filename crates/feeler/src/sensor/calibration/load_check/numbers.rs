@@ -5,9 +5,9 @@ use glam::DVec3;
 
 /// Minimum number of loads for an element to be checked.
 const MIN_LOADS: usize = 8;
-/// Limits of the correlation of loads and gray value: above the first an element counts as loaded, below the second as
-/// not loaded.
+/// Correlation of loads and gray value above which an element counts as loaded.
 const IS_LOADED: f64 = 0.8;
+/// Correlation of loads and gray value below which an element counts as not loaded.
 const IS_NOT_LOADED: f64 = 0.4;
 
 /// Rejects loads assigned to the wrong element: its gray value does not follow them, but that of another element does.

@@ -9,9 +9,10 @@ use glam::DVec3;
 /// Maximum difference of unloaded moments between two recordings (median over the elements), relative to their range
 /// under load.
 const LARGEST_OF_PICTURES: f64 = 0.1;
-/// Maximum difference of mean force errors between two recordings, as a fraction of full scale and as a multiple of the
-/// RMS error. If the error is entirely due to two different zeros, their difference is twice the RMS error.
+/// Maximum difference of mean force errors between two recordings, as a fraction of full scale.
 const LARGEST_OF_FORCES: f64 = 0.03;
+/// Maximum difference of mean force errors between two recordings, as a multiple of the RMS error. If the error is
+/// entirely due to two different zeros, their difference is twice the RMS error.
 const LARGEST_OF_ERRORS: f64 = 1.5;
 
 /// Rejects recordings whose unloaded images differ by more than a tenth of the range under load, in more than half of

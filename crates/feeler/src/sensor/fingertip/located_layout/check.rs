@@ -3,8 +3,9 @@
 use super::{DomeGeometry, LayoutError, LocatedLayout, MAX_LOCATED_ELEMENTS};
 use crate::sensor::fingertip::dome::DomeProjection;
 
-/// Maximum size of an image: px along a side, and number of pixels in total.
+/// Maximum width and height of an image, px.
 const MAX_SIDE: usize = 1 << 14;
+/// Maximum number of pixels of an image.
 const MAX_PIXELS: usize = 1 << 26;
 
 impl LocatedLayout {

@@ -7,7 +7,7 @@ use super::{
 };
 use std::arch::x86_64::*;
 
-/// Factors of [`ACROSS`]; those of a strip's pixels are packed into the bytes of one integer.
+/// Rows of [`ACROSS`], with the four factors of each row packed into the bytes of an integer.
 const FACTORS: [i32; 4] = {
     let mut packed = [0; 4];
     let mut power = 0;

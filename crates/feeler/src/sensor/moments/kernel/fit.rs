@@ -40,8 +40,8 @@ pub(super) struct Tiling {
     pub masks: Vec<u64>,
 }
 
-/// Target of the fit for one pixel of a strip: its contribution to the sums per gray level, and the weights that it
-/// must get.
+/// Target of the fit for one pixel of a strip: its contribution to the sums per gray level, and the weights that the
+/// fit must reproduce.
 struct Target {
     sums: [f64; SUMS],
     weights: [f64; WEIGHTS],
@@ -139,7 +139,7 @@ struct InTile {
     pixel: WeightedPixel,
 }
 
-/// Number of bands into which a piece of this number of columns and rows is folded.
+/// Number of bands into which a piece of `columns` x `rows` px is folded.
 fn bands(columns: usize, rows: usize) -> usize {
     let bands = TILE_WIDTH / columns;
     match rows - rows.div_ceil(bands) {

@@ -40,10 +40,10 @@ pub struct Statistics {
     pub scale: Vec<f64>,
 }
 
-/// Statistics of a taxel array's features.
+/// Statistics of a taxel array's features, computed from the vector v of the readings of all taxels.
 ///
-/// A feature is missing (NaN) if one of its taxels is. The length |v| excludes missing taxels, so that the direction of
-/// the others is exact only if all taxels are valid.
+/// A feature is missing (NaN) if it depends on a missing taxel. The length |v| excludes missing taxels, so the
+/// direction v/|v| is exact only if all taxels are valid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaxelBasis {
@@ -312,7 +312,8 @@ impl Basis for TaxelBasis {
         of(linear).chain(products).chain(memory)
     }
 
-    /// Nine for the matrix of each taxel if products of readings are used. Linear terms alone adapt to any such matrix.
+    /// Nine per taxel, the entries of a 3 x 3 matrix, if products of readings are used; otherwise 0, because linear
+    /// terms alone adapt to any such matrix.
     fn copy_parameters(&self) -> usize {
         match self.taxels <= MAX_FOR_PRODUCTS {
             true => 9 * self.taxels,

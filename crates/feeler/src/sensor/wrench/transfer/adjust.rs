@@ -13,8 +13,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Expected magnitude of a parameter of the map, relative to the readings.
 const EXPECTED_PARAMETER: f64 = 0.1;
-/// Expected relative change of a component. Larger than that of a parameter, because a common factor is the most
-/// probable difference between copies.
+/// Expected relative change of a component's gain. It is larger than [`EXPECTED_PARAMETER`], because a common factor is
+/// the most probable difference between copies of a sensor.
 const EXPECTED_GAIN_CHANGE: f64 = 0.3;
 /// Expected offset of a component, relative to its held-out error.
 const EXPECTED_OFFSET: f64 = 10.0;
