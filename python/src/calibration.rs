@@ -174,7 +174,7 @@ pub fn calibrate_frames(
     how.fit(py, geometry, &records)
 }
 
-/// Reason for not taking further images.
+/// Reason why no further images are accepted.
 enum Taken {
     Interrupted,
     Failed(CalibrationBenchError),

@@ -21,8 +21,9 @@ pub struct EnvironmentSpec {
     parts: Vec<Vec<(&'static str, &'static str, usize, usize)>>,
     /// Maximum magnitude of each component of an action that is executed unchanged; larger ones are limited.
     action_bounds: Vec<f64>,
-    /// Minimum and maximum of each component of an observation.
+    /// Minimum of each component of an observation.
     low: Vec<f32>,
+    /// Maximum of each component of an observation.
     high: Vec<f32>,
     /// Names of the values reported in addition to the reward, with units.
     info_names: Vec<&'static str>,
@@ -115,8 +116,8 @@ impl SingleEnvironment {
         Ok(seed)
     }
 
-    /// Begins the episode that is `following` episodes after the episode of `seed`, as reached by resets without a
-    /// seed. Returns its seed.
+    /// Begins the episode that would follow after `following` resets without a seed, starting from the episode of
+    /// `seed`. Returns its seed.
     fn reset_to(
         &self,
         py: Python<'_>,
@@ -167,7 +168,7 @@ impl SingleEnvironment {
             .map_err(refused)
     }
 
-    /// Reason for which the hand was stopped, or `None` if it is not stopped.
+    /// Reason why the hand was stopped, or `None` if it is not stopped.
     fn stop_reason(&self) -> PyResult<Option<String>> {
         Ok(lock(&self.0)?.stop_reason().map(ToString::to_string))
     }
@@ -304,7 +305,7 @@ impl ManyEnvironments {
         drawn.map_err(refused)?.map_err(refused)
     }
 
-    /// Reason for which the hand of environment `index` was stopped, or `None` if it is not stopped.
+    /// Reason why the hand of environment `index` was stopped, or `None` if it is not stopped.
     fn stop_reason(&self, index: usize) -> PyResult<Option<String>> {
         let reason = |environment: &Environment| environment.stop_reason().map(ToString::to_string);
         self.lock()?.look(index, reason).map_err(refused)

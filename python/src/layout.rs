@@ -37,7 +37,7 @@ impl Layout {
         self.layout.elements.len()
     }
 
-    /// Columns and rows of the images, px.
+    /// Width and height of the images, px.
     #[getter]
     fn picture_size(&self) -> (usize, usize) {
         (self.layout.width, self.layout.height)

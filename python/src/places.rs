@@ -55,8 +55,8 @@ impl Places {
     }
 }
 
-/// Returns the position of each element in the image (px); NaN if the camera cannot see it. Such a fingertip has no
-/// moments kernel.
+/// Returns the position of each element in the image (px); NaN if the camera cannot see it. Moments cannot be computed
+/// for a fingertip with such an element.
 fn centres(layout: &ElementLayout, projection: &DomeProjection) -> Vec<DVec2> {
     let tips = (0..layout.elements.len()).map(|index| layout.tip(index));
     tips.map(|tip| projection.project(tip).unwrap_or(DVec2::NAN))

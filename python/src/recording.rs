@@ -118,7 +118,7 @@ impl Recording {
 }
 
 impl Recording {
-    /// Returns the columns and rows of `pictures`, and their concatenated pixels.
+    /// Returns the width and height of `pictures`, and their concatenated pixels.
     fn read_pictures(
         &self,
         pictures: &[PictureAt],

@@ -89,7 +89,7 @@ impl Sensor {
         self.template.element_count()
     }
 
-    /// Columns and rows of the frames, px.
+    /// Width and height of the frames, px.
     #[getter]
     fn picture_size(&self) -> (usize, usize) {
         self.template.picture_size()

@@ -64,7 +64,7 @@ impl WrenchEstimator {
         }
     }
 
-    /// Columns and rows of the images, px; `None` for taxels.
+    /// Width and height of the images, px; `None` for taxels.
     #[getter]
     fn picture_size(&self) -> Option<(usize, usize)> {
         match &self.kind {

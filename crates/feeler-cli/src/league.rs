@@ -1,4 +1,4 @@
-//! `feeler league`
+//! The `feeler league` subcommand: scores detectors, calibrations and programs on data sets.
 
 use super::{CommandError, Outcome};
 use crate::options::{Json, Overwrite};
@@ -21,7 +21,7 @@ pub struct Arguments {
     sets: Vec<String>,
     /// Also score a program, as in mine='python my.py' (repeatable).
     ///
-    /// The program reads recordings on standard input and answers on standard output, a JSON object a line. It is
+    /// The program reads recordings on standard input and answers on standard output, one JSON object per line. It is
     /// started once for each fold of each set.
     #[arg(long = "entry", value_name = "NAME=COMMAND", value_parser = parse_entry)]
     entries: Vec<(String, String)>,

@@ -139,7 +139,7 @@ enum Command {
     Locate(locate::Arguments),
     /// Simulate the rig (cameras, encoders, drives) for separate sensor and hand programs.
     World(link::world::Arguments),
-    /// Serve real or emulated servos as the rig of separate sensor and hand programs.
+    /// Serve real or emulated servos to separate sensor and hand programs.
     Rig(link::rig::Arguments),
     /// Control a hand whose sensors and drives run in other programs.
     Hand(link::hand::Arguments),

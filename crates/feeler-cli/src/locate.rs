@@ -73,8 +73,9 @@ pub struct Arguments {
 /// Output of `--json`.
 #[derive(Serialize)]
 struct Found<'a> {
-    /// Paths of the layout and of the preview.
+    /// Path of the layout.
     layout: &'a Path,
+    /// Path of the preview, if any.
     preview: Option<&'a Path>,
     elements: usize,
     /// `bright` or `dark`.

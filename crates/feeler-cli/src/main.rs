@@ -28,10 +28,10 @@ fn set_allocator() {
     /// Block size (bytes) above which the allocator uses `mmap`: the largest value that it accepts, so that large
     /// blocks are kept too.
     const LARGE: c_int = 32 << 20;
-    /// Number of heaps shared by the threads of all other subcommands, and the block size (bytes) above which memory is
-    /// mapped and unmapped individually. The link library allocates threads and megabytes per connection, and a peer
-    /// may reconnect any number of times.
+    /// Number of heaps that the threads of all other subcommands share. The link library allocates threads and
+    /// megabytes per connection, and a peer may reconnect any number of times.
     const HEAPS: c_int = 2;
+    /// Block size (bytes) above which all other subcommands map and unmap memory individually.
     const OF_THE_SYSTEM: c_int = 32 << 10;
     let command = std::env::args_os().nth(1);
     let is_run = RUNS.iter().any(|run| command == Some(run.into()));

@@ -11,7 +11,7 @@ pub struct Arguments {
     /// Measure the age of data by the /clock of a simulation instead of the time of day.
     #[arg(long)]
     use_sim_time: bool,
-    /// Speed of that clock relative to real time, the same as the hand's.
+    /// Speed of the simulation's clock relative to real time, the same as the hand's.
     #[arg(long, default_value = "1", requires = "use_sim_time")]
     speed: RigSpeed,
     #[command(flatten)]

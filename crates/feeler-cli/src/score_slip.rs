@@ -1,4 +1,4 @@
-//! `feeler score-slip`
+//! The `feeler score-slip` subcommand.
 
 use super::{CommandError, Outcome};
 use crate::options::{Json, Overwrite, parse_rate};
@@ -38,7 +38,7 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     recorded: RecordedArguments,
-    /// Folder of the page.
+    /// Output folder of the report.
     #[arg(short, long, value_name = "DIR", default_value = "slip")]
     out: PathBuf,
     #[command(flatten)]
@@ -78,7 +78,7 @@ pub struct RecordedArguments {
     /// Name of a table in each recording's folder that labels its frames: a column `slip`, one row per frame.
     #[arg(long, value_name = "FILE")]
     pub frame_labels: Option<String>,
-    /// Also judge with thresholds chosen on other recordings and their labels.
+    /// Also score with thresholds chosen on other recordings and their labels.
     ///
     /// Tables of `feeler sense`, such as those of `feeler simulate-grasps`, videos, or, with --taxels, tables of the
     /// same array in the same arrangement of files or folders as RECORDINGS.

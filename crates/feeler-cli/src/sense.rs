@@ -112,8 +112,8 @@ pub struct Arguments {
     /// For dark markers, black pixels count instead of saturated ones.
     #[arg(long, value_name = "PART", value_parser = parse_part)]
     max_saturated: Option<f64>,
-    /// Finger, from 0: of a recorded run [default: 0], or of the experiment whose fingertip the images show [default:
-    /// the fingertip shared by all fingers]
+    /// Index of the finger, from 0: in a recorded run [default: 0], or in the experiment [default: the fingertip shared
+    /// by all fingers]
     #[arg(long, value_name = "NUMBER")]
     finger: Option<usize>,
     /// Publish the readings of the finger for `feeler hand`.
@@ -132,7 +132,7 @@ pub struct Arguments {
 /// Options for taxel arrays.
 #[derive(Debug, clap::Args)]
 struct TaxelArguments {
-    /// Read a table or a skin with three-axis taxels of this layout: a file or a built-in one (see `feeler list`).
+    /// Read a table or skin of three-axis taxels with this layout: a file or a built-in one (see `feeler list`).
     #[arg(long, value_name = "LAYOUT", conflicts_with_all = [
         "layout", "drift_correction", "reference", "raw", "size", "exposure"])]
     taxels: Option<String>,

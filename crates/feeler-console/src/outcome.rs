@@ -7,7 +7,7 @@ use feeler_record::{RunEnd, RunState};
 pub enum Outcome {
     /// Completed.
     Done,
-    /// Given up by its task or interrupted.
+    /// The task gave up, or the run was interrupted.
     GivenUp,
     /// Completed, but a replay differs from its recording, or a calibration is no longer valid.
     Differs,

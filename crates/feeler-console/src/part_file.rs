@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Maximum length of a table row (bytes): range in which the last line feed is searched.
+/// Maximum length of a table row (bytes). The last line feed is searched for within this distance from the end.
 const MAX_ROW: u64 = 1 << 20;
 
 /// Error of creating or completing an output file.
@@ -14,7 +14,7 @@ pub enum OutputError {
     /// The path must not be written to.
     #[error("{argument} {path}: {problem}")]
     Refused {
-        /// Option that gave the path.
+        /// Command-line option that specifies the path.
         argument: &'static str,
         /// The path.
         path: PathBuf,
@@ -24,7 +24,7 @@ pub enum OutputError {
     /// The file cannot be written.
     #[error("{argument} {path}: {error}; expected a file in a writable folder")]
     Io {
-        /// Option that gave the path.
+        /// Command-line option that specifies the path.
         argument: &'static str,
         /// The path.
         path: PathBuf,
@@ -60,7 +60,7 @@ impl Outputs {
         }
     }
 
-    /// Creates the part file of the output at `path`, which the command-line option `argument` gave.
+    /// Creates the part file of the output at `path`, which is specified by the command-line option `argument`.
     ///
     /// # Errors
     /// If `path` is an input or another output, exists without `force`, is not a regular file, or cannot be written.
@@ -213,7 +213,7 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Canonical path; of a file that does not exist yet, its canonical folder joined with its name.
+/// Canonical path. For a file that does not exist yet: the canonical path of its folder, joined with its name.
 fn resolved(path: &Path) -> Option<PathBuf> {
     if let Ok(path) = path.canonicalize() {
         return Some(path);

@@ -70,7 +70,7 @@ impl Steps {
     }
 }
 
-/// Progress bar over the reading of one file.
+/// Progress bar for reading one file.
 pub struct Reading(Bar);
 
 impl Default for Reading {

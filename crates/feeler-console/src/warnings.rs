@@ -19,7 +19,7 @@ const CAPACITY: usize = 64;
 /// Maximum time to wait for queued warnings when the program ends.
 const FLUSH_LIMIT: Duration = Duration::from_secs(1);
 
-/// Queue of warnings that a background thread prints, one a line. Warnings that do not fit are dropped and counted.
+/// Queue of warnings that a background thread prints, one per line. Warnings that do not fit are dropped and counted.
 #[derive(Clone)]
 pub struct Warnings(Arc<Queue>);
 

@@ -17,7 +17,7 @@ pub trait Port: Send {
     /// If the port has failed or does not accept the bytes in time.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Reads available bytes into `bytes`; waits for the first until `deadline`, s of the rig's time. Returns the
+    /// Reads available bytes into `bytes`; waits for the first byte until `deadline` (s of the rig's time). Returns the
     /// number of bytes, 0 on timeout.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ pub struct Change {
     pub joint: JointName,
     /// Name of the value in the manufacturer's table.
     pub name: &'static str,
-    /// Register of the value.
+    /// Register to be changed.
     pub register: Register,
     /// Current value.
     pub from: i64,

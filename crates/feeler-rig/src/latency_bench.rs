@@ -1,4 +1,4 @@
-//! The `feeler bench link` subcommand: latency from a tactile update to the command made from it.
+//! The `feeler bench link` subcommand: latency from a tactile update to the command computed from it.
 
 use crate::link_options::{LinkOptions, ListenOptions};
 use feeler::pace::{Clock, FixedRate, Monotonic};

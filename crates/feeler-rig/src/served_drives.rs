@@ -1,4 +1,4 @@
-//! Servos on a bus as the rig of `feeler hand`.
+//! Serves servos on a bus as the rig of `feeler hand`.
 
 use crate::drives_check::{ServoRig, all_changes, print_changes};
 use crate::real_time::request_real_time;
@@ -27,7 +27,7 @@ const PSEUDO_TERMINALS: &str = "/dev/pts";
 pub struct DrivesOptions {
     /// Serial port, or `None` for the experiment's.
     pub port: Option<String>,
-    /// `true` to emulate the bus, with the simulated world behind it.
+    /// `true` to emulate the bus, with servos that move the simulated world.
     pub emulated: bool,
     /// `true` to print the planned changes only, without writing to a servo.
     pub dry_run: bool,

@@ -108,7 +108,7 @@ mod topic {
     pub struct WrenchTopic {
         topic: String,
         samples: Receiver<ForceSample>,
-        /// Time of the latest wrench, or of the latest error that the topic is silent.
+        /// Time of the latest wrench, or of the latest error that reports a silent topic.
         heard: Cell<Instant>,
         node: Node,
         _subscription: Subscription,

@@ -71,9 +71,11 @@ const STRING: u8 = 17;
 const WSTRING: u8 = 18;
 /// Offset of the identifier of bounded strings from that of unbounded strings.
 const BOUNDED: u8 = 4;
-/// Offsets of the identifiers of arrays, bounded sequences and unbounded sequences from that of the element type.
+/// Offset of the identifier of an array from that of its element type.
 const ARRAY: u8 = 48;
+/// Offset of the identifier of a bounded sequence from that of its element type.
 const BOUNDED_SEQUENCE: u8 = 96;
+/// Offset of the identifier of an unbounded sequence from that of its element type.
 const SEQUENCE: u8 = 144;
 
 /// Parses `text`, which contains the definition of the type `name` and then those of nested types, and adds all types

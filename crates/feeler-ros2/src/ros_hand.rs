@@ -45,15 +45,15 @@ enum Drive {
     Gripper(Gripper),
 }
 
-/// Robot of a ROS 2 graph as a [`Hand`].
+/// [`Hand`] that controls a ROS 2 robot.
 ///
 /// Reading returns the latest joint states and their stamp, without waiting. A background thread sends the latest
 /// command, so commanding neither blocks nor allocates.
 ///
 /// A `forward_command_controller` executes the last velocities until it receives others. Zeros are therefore sent if
 /// joint states or commands are too old, and when the hand is dropped. If the program is killed or the network fails,
-/// only a watchdog in the robot can stop it. A gripper instead moves to its latest goal, which is at most as far away
-/// as it moves at its speed limit within the maximum age of joint states.
+/// only a watchdog in the robot can stop it. A gripper instead moves to its latest goal. The distance to the goal is
+/// limited to the travel at the gripper's speed limit within the maximum age of joint states.
 pub struct RosHand {
     newest: Arc<Mutex<Newest>>,
     freshness: Arc<Freshness>,
@@ -111,7 +111,7 @@ pub enum RosHandError {
     GripperJoints {
         /// Index of the finger.
         finger: usize,
-        /// Number of its joints.
+        /// Number of joints of the finger.
         actual: usize,
     },
 }

@@ -23,7 +23,8 @@ pub struct SensorAge {
     pub speed: f64,
 }
 
-/// Sensor of a ROS 2 graph as a [`TactileSensor`]. Reading returns the latest forces and their stamp, without waiting.
+/// [`TactileSensor`] that receives its forces from a ROS 2 topic. Reading returns the latest forces and their stamp,
+/// without waiting.
 pub struct RosSensor {
     heard: Arc<Heard>,
     freshness: Arc<Freshness>,

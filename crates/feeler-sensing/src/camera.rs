@@ -6,7 +6,7 @@ use feeler_sources::{CameraSettings, Trigger};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Form of camera names, for messages.
+/// Expected format of camera names, for error messages.
 pub const NAMES: &str = "/dev/videoN, or genicam:ID as listed by `feeler cameras`";
 
 /// Message of a program built without Video4Linux cameras.

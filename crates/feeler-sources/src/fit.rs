@@ -9,9 +9,9 @@ pub enum FitError {
     /// The camera's images are smaller than the wanted ones, or one of both sizes is empty.
     #[error("{}x{} px are too few for images of {}x{} px", offered.0, offered.1, wanted.0, wanted.1)]
     TooSmall {
-        /// Columns and rows of the camera's images, px.
+        /// Width and height of the camera's images, px.
         offered: (usize, usize),
-        /// Columns and rows of the wanted images, px.
+        /// Width and height of the wanted images, px.
         wanted: (usize, usize),
     },
     /// The aspect ratios differ too much.
@@ -20,9 +20,9 @@ pub enum FitError {
         offered.0, offered.1, 100.0 * crop, wanted.0, wanted.1, 100.0 * MAX_CROP
     )]
     Shape {
-        /// Columns and rows of the camera's images, px.
+        /// Width and height of the camera's images, px.
         offered: (usize, usize),
-        /// Columns and rows of the wanted images, px.
+        /// Width and height of the wanted images, px.
         wanted: (usize, usize),
         /// Fraction of the columns or rows that would be cropped, 0 to 1.
         crop: f64,
@@ -74,12 +74,12 @@ impl Fit {
         })
     }
 
-    /// Columns and rows of the camera's images, px.
+    /// Width and height of the camera's images, px.
     pub fn offered(&self) -> (usize, usize) {
         self.offered
     }
 
-    /// Columns and rows of the images after scaling, px.
+    /// Width and height of the images after scaling, px.
     pub fn wanted(&self) -> (usize, usize) {
         self.wanted
     }
@@ -95,7 +95,7 @@ impl Fit {
         [8, 4, 2].into_iter().find(fits).unwrap_or(1)
     }
 
-    /// Columns and rows of a camera's image after scaling down by `denominator`, px.
+    /// Width and height of a camera's image after scaling down by `denominator`, px.
     pub fn scaled(&self, denominator: usize) -> (usize, usize) {
         let (columns, rows) = self.offered;
         let denominator = denominator.max(1);

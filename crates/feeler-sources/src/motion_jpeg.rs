@@ -20,9 +20,9 @@ pub enum MotionJpegError {
     /// The image does not have the size announced by the camera.
     #[error("expected {}x{} px, got {}x{} px", expected.0, expected.1, found.0, found.1)]
     Size {
-        /// Columns and rows announced by the camera, px.
+        /// Width and height announced by the camera, px.
         expected: (usize, usize),
-        /// Columns and rows of the image, px.
+        /// Width and height of the image, px.
         found: (usize, usize),
     },
 }

@@ -6,7 +6,7 @@ use std::str::FromStr;
 /// Settings of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraSettings {
-    /// Columns and rows of the images, px.
+    /// Width and height of the images, px.
     pub size: (usize, usize),
     /// Frame rate, Hz; the camera uses the nearest available one.
     pub rate: f64,

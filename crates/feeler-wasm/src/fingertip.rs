@@ -21,7 +21,7 @@ pub struct Fingertip {
     warnings: Vec<String>,
     tracker: MarkerTracker,
     forces: Option<Forces>,
-    /// Forces in the latest image as JSON; empty without a calibration.
+    /// Forces computed from the latest image, as JSON; empty without a calibration.
     sensed: String,
     /// Pixels of the latest image (gray).
     gray: Vec<u8>,
@@ -135,7 +135,8 @@ impl Fingertip {
         Ok(numbers)
     }
 
-    /// Forces in the latest image as JSON (`Sensed` in `web/playground/protocol.ts`); empty without a calibration.
+    /// Forces computed from the latest image, as JSON (`Sensed` in `web/playground/protocol.ts`); empty without a
+    /// calibration.
     pub fn sensed(&self) -> String {
         self.sensed.clone()
     }
@@ -145,12 +146,12 @@ impl Fingertip {
         self.layout.elements.len()
     }
 
-    /// Columns of the images (px).
+    /// Width of the images (px).
     pub fn width(&self) -> usize {
         self.layout.width
     }
 
-    /// Rows of the images (px).
+    /// Height of the images (px).
     pub fn height(&self) -> usize {
         self.layout.height
     }
@@ -169,7 +170,7 @@ impl Fingertip {
     }
 }
 
-/// Converts pixels of a canvas to gray levels (ITU-R BT.601, as images from files).
+/// Converts pixels of a canvas to gray levels (ITU-R BT.601).
 fn to_gray(rgba: &[u8], gray: &mut Vec<u8>) {
     gray.clear();
     gray.extend(rgba.chunks_exact(4).map(|pixel| {

@@ -1,4 +1,4 @@
-//! Forces on a fingertip and the flags of the paper, computed with a calibration file.
+//! Forces on a fingertip and the flags TOUCH, SLIP and OVER, computed with a calibration file.
 
 use feeler::control::{ControlConfig, FlagAnalyzer, FlagThresholds};
 use feeler::sensor::forces::{ElementReading, NO_FORCE, SensingChain, TactileFrame};
@@ -24,7 +24,7 @@ enum Kind {
     Wrench(Box<WrenchEstimator>),
 }
 
-/// Forces in one image, as the page shows them.
+/// Forces computed from one image, as the page shows them.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Sensed {
@@ -90,7 +90,7 @@ impl Forces {
         matches!(self.kind, Kind::Elements { .. })
     }
 
-    /// Returns the forces in `picture`, taken `stamp` seconds after the start of the video.
+    /// Computes the forces from `picture`, taken `stamp` seconds after the start of the video.
     ///
     /// # Errors
     /// If the image has another size, or does not fit the calibration.
@@ -127,7 +127,7 @@ impl Forces {
         })
     }
 
-    /// Force on each element in the latest image (N, in its frame), [`NO_FORCE`] if unknown.
+    /// Force on each element (N, in its frame), computed from the latest image; [`NO_FORCE`] if unknown.
     pub fn element_forces(&self) -> impl Iterator<Item = DVec3> {
         let forces = self.readings.iter();
         forces.map(|reading| reading.force.unwrap_or(NO_FORCE))

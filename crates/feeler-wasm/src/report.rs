@@ -13,7 +13,7 @@ use web_sys::File;
 const BLOCK: usize = 1 << 20;
 
 /// Returns the report page (HTML) of a recording. Calls `progress` with the fraction that has been read, 0 to 1. The
-/// file is read in blocks, so its size is limited by the report, not by memory.
+/// file is read in blocks, so it may be larger than the memory; only the report must fit.
 ///
 /// # Errors
 /// If the file is not a recording, not even the run's facts are readable, or this is not called in a worker.

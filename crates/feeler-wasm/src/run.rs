@@ -14,7 +14,7 @@ use std::io::Cursor;
 use std::path::Path;
 use wasm_bindgen::prelude::*;
 
-/// Name under which the page stops the hand.
+/// Sender name of a stop by the page.
 const BY: &str = "the page";
 
 /// A simulated run with its recording in memory.

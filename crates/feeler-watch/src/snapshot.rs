@@ -106,7 +106,7 @@ pub struct Program {
     pub version: String,
     /// Rate of the program's messages (Hz).
     pub rate: f64,
-    /// Age of its latest message (s); for a silent program, the time since then.
+    /// Time since the latest message of the program (s).
     pub age: f64,
     /// Number of messages received, or `None` if unknown.
     pub received: Option<u64>,
@@ -120,7 +120,7 @@ pub struct Program {
 }
 
 impl Program {
-    /// Returns the fraction of messages lost, or `None` if there were none or their number is unknown.
+    /// Returns the fraction of messages lost, or `None` if none were sent or their number is unknown.
     pub fn lost_part(&self) -> Option<f64> {
         // In floating point, the sum cannot overflow.
         let (received, lost) = (self.received? as f64, self.lost as f64);

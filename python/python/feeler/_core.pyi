@@ -46,7 +46,10 @@ class EnvironmentSpec:
         Maximum magnitude of each component of an action that is executed unchanged; larger ones are limited.
         """
     @property
-    def high(self, /) -> list[float]: ...
+    def high(self, /) -> list[float]:
+        """
+        Maximum of each component of an observation.
+        """
     @property
     def info_names(self, /) -> list[str]:
         """
@@ -55,7 +58,7 @@ class EnvironmentSpec:
     @property
     def low(self, /) -> list[float]:
         """
-        Minimum and maximum of each component of an observation.
+        Minimum of each component of an observation.
         """
     @property
     def max_steps(self, /) -> int:
@@ -92,12 +95,12 @@ class FingerSense:
     @property
     def joint_position(self, /) -> Incomplete:
         """
-        Joint positions, one per joint [J], rad, or m of a prismatic joint.
+        Joint positions, one per joint [J], rad, or m for a prismatic joint.
         """
     @property
     def joint_velocity(self, /) -> Incomplete:
         """
-        Joint velocities, one per joint [J], rad/s, or m/s of a prismatic joint.
+        Joint velocities, one per joint [J], rad/s, or m/s for a prismatic joint.
         """
     @property
     def largest_element(self, /) -> int | None:
@@ -185,7 +188,7 @@ class Layout:
     @property
     def picture_size(self, /) -> tuple[int, int]:
         """
-        Columns and rows of the images, px.
+        Width and height of the images, px.
         """
     @property
     def polarity(self, /) -> str:
@@ -230,7 +233,7 @@ class ManyEnvironments:
         """
     def stop_reason(self, /, index: SupportsIndex) -> str | None:
         """
-        Reason for which the hand of environment `index` was stopped, or `None` if it is not stopped.
+        Reason why the hand of environment `index` was stopped, or `None` if it is not stopped.
         """
 
 @final
@@ -354,7 +357,7 @@ class Sensor:
     @property
     def picture_size(self, /) -> tuple[int, int]:
         """
-        Columns and rows of the frames, px.
+        Width and height of the frames, px.
         """
     def reference(self, /) -> list[tuple[float, float] | None] | None:
         """
@@ -448,8 +451,8 @@ class SingleEnvironment:
         """
     def reset_to(self, /, seed: SupportsIndex, following: SupportsIndex, observation: Incomplete, info: Incomplete) -> int:
         """
-        Begins the episode that is `following` episodes after the episode of `seed`, as reached by resets without a
-        seed. Returns its seed.
+        Begins the episode that would follow after `following` resets without a seed, starting from the episode of
+        `seed`. Returns its seed.
         """
     def spec(self, /) -> EnvironmentSpec: ...
     def step(self, /, action: Incomplete, observation: Incomplete, info: Incomplete) -> tuple[float, bool, bool]:
@@ -458,7 +461,7 @@ class SingleEnvironment:
         """
     def stop_reason(self, /) -> str | None:
         """
-        Reason for which the hand was stopped, or `None` if it is not stopped.
+        Reason why the hand was stopped, or `None` if it is not stopped.
         """
 
 @final
@@ -552,7 +555,7 @@ class WrenchEstimator:
     @property
     def picture_size(self, /) -> tuple[int, int] | None:
         """
-        Columns and rows of the images, px; `None` for taxels.
+        Width and height of the images, px; `None` for taxels.
         """
 
 def calibrate_file(path: str | PathLike[str], how: Incomplete) -> Calibration:

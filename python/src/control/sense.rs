@@ -161,13 +161,13 @@ impl FingerSense {
         rows(py, &[rows_of.x_axis, rows_of.y_axis, rows_of.z_axis])
     }
 
-    /// Joint positions, one per joint [J], rad, or m of a prismatic joint.
+    /// Joint positions, one per joint [J], rad, or m for a prismatic joint.
     #[getter]
     fn joint_position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         joint_numbers(py, &self.joints.position)
     }
 
-    /// Joint velocities, one per joint [J], rad/s, or m/s of a prismatic joint.
+    /// Joint velocities, one per joint [J], rad/s, or m/s for a prismatic joint.
     #[getter]
     fn joint_velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         joint_numbers(py, &self.joints.velocity)

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 const WHOLE: [&str; 2] = ["trial", "seed"];
 /// Columns that always contain text. Other columns contain text if any field is neither a number nor empty.
 const WORDS: [&str; 3] = ["outcome", "reason", "found"];
-/// Column of booleans.
+/// Name of the only column of booleans.
 const SUCCESS: &str = "success";
 
 /// A partially read column.

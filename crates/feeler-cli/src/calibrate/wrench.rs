@@ -1,4 +1,4 @@
-//! `feeler calibrate FORCES.csv --wrench`
+//! `feeler calibrate FORCES.csv --wrench`: calibrates the total force on a fingertip.
 
 use super::{
     Arguments, Calibrated, CommandError, Outcome, create_outputs, guide_live, page_path, sensor,

@@ -17,7 +17,7 @@ const FIRST: Duration = Duration::from_secs(15);
 /// Time to wait for an image before checking whether to stop.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// Measures the camera `named`, or by default the only one in the lists `kinds`.
+/// Measures the camera `named`, or the only camera in `kinds` if none is named.
 pub fn measure(
     arguments: &Arguments,
     named: Option<&Path>,
@@ -78,8 +78,9 @@ fn only_camera(kinds: [Kind; 2]) -> Result<PathBuf, CommandError> {
 struct Counted {
     frames: u64,
     damaged: u64,
-    /// Frame number and stamp (s) of the first and of the latest image.
+    /// Frame number and stamp (s) of the first image.
     first: Option<(u64, f64)>,
+    /// Frame number and stamp (s) of the latest image.
     newest: Option<(u64, f64)>,
     /// Intervals between images with consecutive frame numbers (s).
     intervals: Vec<f64>,

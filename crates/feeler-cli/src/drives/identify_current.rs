@@ -102,8 +102,9 @@ struct Sweeps {
     period: f64,
     interrupted: Arc<AtomicBool>,
     place: (usize, usize),
-    /// Ends of a sweep, rad or m, and speed, rad/s or m/s.
+    /// Ends of a sweep, rad or m.
     ends: [f64; 2],
+    /// Speed of a sweep, rad/s or m/s.
     speed: f64,
     /// Number of sweeps per direction and load.
     count: u8,

@@ -55,13 +55,13 @@ struct EmulateArguments {
     /// Override an experiment value, e.g. drives.baud_rate=57600. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Protocol of the servos, without an experiment.
+    /// Protocol of the servos if no experiment is given.
     #[arg(long, value_parser = ["dynamixel", "feetech"], conflicts_with = "experiment", default_value = "dynamixel")]
     protocol: String,
-    /// Number of servos (ids from 1), without an experiment.
+    /// Number of servos (ids from 1) if no experiment is given.
     #[arg(long, value_name = "COUNT", conflicts_with = "experiment", default_value = "6", value_parser = clap::value_parser!(u8).range(1..=15))]
     servos: u8,
-    /// Baud rate that determines transfer times, without an experiment.
+    /// Baud rate that determines transfer times if no experiment is given.
     #[arg(long, value_name = "BITS", conflicts_with = "experiment", default_value = "1000000", value_parser = clap::value_parser!(u32).range(9600..=10_000_000))]
     baud_rate: u32,
     /// Fault to inject from the start, e.g. silent=3, flip-bytes=0.01, echo. Repeatable.
@@ -71,7 +71,7 @@ struct EmulateArguments {
     faults: Vec<String>,
     /// Speed of the servos' clock relative to real time, 0.01 to 1.
     ///
-    /// Below 1, a master on a busy computer has more time for its replies.
+    /// Values below 1 give a master on a busy computer more time per reply.
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = parse_speed)]
     speed: f64,
     /// Log the bus traffic to this table.

@@ -12,9 +12,11 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Names of the folder of recordings and of the label tables next to it.
+/// Name of the folder of recordings.
 const RECORDINGS: &str = "recordings";
+/// Name of the table of labels of the grasps, next to the folder of recordings.
 const LABELS: &str = "labels.csv";
+/// Name of the table of labels of the frames, next to the folder of recordings.
 const FRAME_LABELS: &str = "frame_labels.csv";
 const LABELS_HEADER: &str = "recording,shape,mass_kg,friction,grip_force_n,shear_modulus_pa,thickness_m,irregularity,noise_px,\
      slid_m,lost,slip\n";

@@ -1,4 +1,4 @@
-//! The `feeler follow` subcommand: a hand whose motion another program decides.
+//! The `feeler follow` subcommand: moves a hand at the velocities that another program requests.
 
 mod board;
 mod protocol;

@@ -1,4 +1,4 @@
-//! `feeler bench`
+//! The `feeler bench` subcommand: measures latency on this computer.
 
 use crate::{CommandError, Outcome};
 use feeler_rig::{LatencyBench, measure_latency, send_readings};

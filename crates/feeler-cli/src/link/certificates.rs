@@ -66,7 +66,7 @@ impl Grant {
     }
 }
 
-/// Issues, renews, withdraws or lists certificates.
+/// Issues, renews, revokes or lists certificates.
 #[cfg(feature = "link")]
 pub fn certificates(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     use feeler_link::security::Authority;
@@ -121,7 +121,7 @@ fn made(
     Ok(format!("{folder}: {}, valid until {until}", listed(names)))
 }
 
-/// Withdraws or renews certificates, or both.
+/// Revokes or renews certificates, or both.
 #[cfg(feature = "link")]
 fn replace(
     authority: &mut feeler_link::security::Authority,

@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 /// Maximum time to find a hand and to receive its answer. A hand answers between two control steps, which may be long.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Duration for which a stop order to a connected hand is repeated. Without confirmation, the answer of the stop server
-/// is used.
+/// Duration for which a stop order is repeated to a connected hand. If the hand does not confirm it within this time,
+/// the answer of the stop server is used.
 const DOOR_NEXT: Duration = Duration::from_secs(1);
 
 /// Time to wait for a connection to the hand before the answer of the stop server is used.
@@ -43,7 +43,7 @@ struct Stopped {
     stands_still: bool,
     /// `true` if the hand is waiting for its rig, and will be stopped once the rig is connected.
     waits_for_rig: bool,
-    /// Number with which the stop can be resumed, or `None` if the hand did not assign one.
+    /// Number to pass to `feeler resume --number` to clear this stop, or `None` if the hand did not assign one.
     number: Option<u64>,
     /// Reason given by the hand.
     reason: String,
@@ -69,7 +69,8 @@ impl Stopped {
 pub struct ResumeArguments {
     /// Name of the rig (by default, that of the experiment), or the experiment file.
     rig: String,
-    /// Caller whose stop is resumed; if it has none, a stop by the hand itself is [default: "the command line"]
+    /// Name of the caller whose stop to resume; if that caller has none, a stop by the hand itself is resumed [default:
+    /// "the command line"]
     #[arg(long, default_value = BY, hide_default_value = true)]
     from: String,
     /// Number of the stop to resume, as printed by `feeler stop` and `feeler resume`.

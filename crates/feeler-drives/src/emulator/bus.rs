@@ -24,8 +24,9 @@ pub struct EmulatedBus {
     /// Transmission time of a byte, s.
     byte: f64,
     time: f64,
-    /// Time of the end of the last byte from the master (`sent`) and from the servos (`answered`), s.
+    /// Time of the end of the last byte from the master, s.
     sent: f64,
+    /// Time of the end of the last byte from the servos, s.
     answered: f64,
     /// Time at which the latest bytes from the master were received, s.
     received: f64,

@@ -46,8 +46,9 @@ pub(super) struct Motor {
     stall_current: f64,
     /// No-load velocity, rad/s.
     fastest: f64,
-    /// Present current, and the greatest one so far, A.
+    /// Present current, A.
     pub current: f64,
+    /// Greatest current so far, A.
     pub greatest_current: f64,
     /// Duration of the present overload, s.
     overloaded: f64,

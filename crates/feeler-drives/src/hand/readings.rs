@@ -10,9 +10,9 @@ use crate::setup::{blame, read};
 
 /// Maximum plausible measured velocity, relative to the joint's speed limit; allows for overshoot.
 const SPEED_TOLERANCE: f64 = 2.0;
-/// Parts (address, length) of a Dynamixel's control table: from torque to bus watchdog, and from voltage to
-/// temperature.
+/// Part (address, length) of a Dynamixel's control table from torque to bus watchdog.
 const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);
+/// Part (address, length) of a Dynamixel's control table from voltage to temperature.
 const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
 
 impl DriveHand {

@@ -41,8 +41,9 @@ pub(crate) struct Servo {
     scale: f64,
     /// Last position, counts, unwrapped over turns.
     counts: Option<i64>,
-    /// Last position (rad or m) and velocity (rad/s or m/s) of the joint.
+    /// Last position of the joint (rad or m).
     pub angle: f64,
+    /// Last velocity of the joint (rad/s or m/s).
     pub velocity: f64,
     /// Last current, A, positive if it increases the joint's position. 0 if it is not read.
     pub current: f64,
@@ -54,8 +55,8 @@ pub(crate) struct Servo {
 }
 
 impl Servo {
-    /// Creates the servo `name`, which moves a joint of the finger `geometry`. Its commands are based on measurements of
-    /// at most the age `most_age`, s.
+    /// Creates the servo `name`, which moves a joint of the finger `geometry`. Its commands are based on measurements
+    /// that are at most `most_age` old, s.
     pub fn new(
         name: JointName,
         drive: &JointDriveConfig,
@@ -149,8 +150,8 @@ impl Servo {
         self.current = f64::from(self.drive.direction) * units * self.model.current_unit;
     }
 
-    /// Checks that the joint exceeds its limits by at most `tolerance` (rad, or times the reach) and its speed limit at
-    /// most by the factor `faster`.
+    /// Checks that the joint is beyond its limits by at most `tolerance` (rad; for a prismatic joint, times the reach,
+    /// in m), and that its speed is at most `faster` times the speed limit.
     pub fn check(&self, tolerance: f64, faster: f64) -> Result<(), DriveError> {
         let JointLimits {
             lower,

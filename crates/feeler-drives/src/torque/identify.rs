@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3};
 
 /// Minimum number of samples per direction.
 const LEAST: usize = 3;
-/// Maximum standard error of the torque constant, relative to it.
+/// Maximum relative standard error of the torque constant.
 const MOST_ERROR: f64 = 0.1;
 /// Maximum deviation of a sample from the fit, relative to the current of the greatest load.
 const MOST_DEVIATION: f64 = 0.2;

@@ -4,7 +4,7 @@ use super::episode::{control_steps, frame_rate};
 use crate::error::ExportError;
 use feeler_record::{Recording, Step};
 
-/// Maximum relative excess of the frame rate over the control rate.
+/// Maximum fraction by which the frame rate may exceed the control rate.
 const RATE_TOLERANCE: f64 = 1e-6;
 
 /// Frame rate of a data set, and length of the windows of tactile samples. The default has a frame per control step and
@@ -24,7 +24,7 @@ pub(crate) struct Frames<'a> {
     pub steps: Vec<Step<'a>>,
     /// Frames per second.
     pub rate: u32,
-    /// Run time of the first frame (s).
+    /// Time of the first frame within the run (s).
     pub start: f64,
 }
 
@@ -63,12 +63,13 @@ impl<'a> Frames<'a> {
         Ok(Self { steps, ..frames })
     }
 
-    /// Run time of a frame (s): that of the first frame plus LeRobot's timestamp.
+    /// Time of a frame within the run (s): that of the first frame plus LeRobot's timestamp.
     pub fn time(&self, frame: usize) -> f64 {
         self.start + frame as f64 / f64::from(self.rate)
     }
 
-    /// Run time of a frame's control step (s), which differs from [`time`](Self::time) by up to half a control period.
+    /// Time of a frame's control step within the run (s), which differs from [`time`](Self::time) by up to half a
+    /// control period.
     pub fn step_time(&self, frame: usize) -> f64 {
         let step = self.steps.get(frame);
         step.map_or_else(|| self.time(frame), |step| step.task.stamp)

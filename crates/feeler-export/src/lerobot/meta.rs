@@ -67,7 +67,7 @@ pub(crate) struct Episode {
     pub task: String,
     /// Number of frames.
     pub length: usize,
-    /// Run time of the first frame (s), if it is part of the metadata.
+    /// Time of the first frame within the run (s), if it is part of the metadata.
     pub start: Option<f64>,
     /// Index of the first frame within the data set.
     pub from: usize,

@@ -28,7 +28,7 @@ pub enum FeatureError {
     /// A part of the description, or the number of values, is invalid.
     #[error("{part}: expected {expected}, got {actual}")]
     Part {
-        /// Name of the part.
+        /// Name of the invalid part.
         part: &'static str,
         /// Expected content.
         expected: String,

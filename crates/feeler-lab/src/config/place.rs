@@ -46,7 +46,7 @@ pub(super) struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// Returns the position of a whole file.
+    /// Returns the position of the document's root. `missing` contains the paths of the keys found missing so far.
     pub(super) fn root(file: &'a Value, missing: &'a [String]) -> Self {
         Self {
             value: Some(file),

@@ -33,8 +33,8 @@ pub struct RosGripperConfig {
     /// Name of the action.
     #[serde(default = "action")]
     pub action: String,
-    /// Maximum effort of the joint (N, or N m of a revolute joint), sent with each goal. `None` for the controller's own
-    /// limit.
+    /// Maximum effort of the joint (N, or N m for a revolute joint), sent with each goal. `None` for the controller's
+    /// own limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_effort: Option<f64>,
     /// Minimum interval between two goals (s of real time).
@@ -42,7 +42,7 @@ pub struct RosGripperConfig {
     pub interval: f64,
 }
 
-/// Joints of one finger, and its fingertip if that is a sensor of the graph.
+/// Joints of one finger, and the topic of its tactile sensor, if any.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RosFingerConfig {

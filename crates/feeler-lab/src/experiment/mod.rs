@@ -135,7 +135,7 @@ pub enum ExperimentError {
 /// Source of tactile readings for one finger, of any kind.
 pub type Sensor = Box<dyn TactileSource + Send>;
 
-/// The simulated hand, or drives with the simulated world behind them.
+/// The simulated hand, or drives that move the simulated world.
 pub type AnyHand = Box<dyn Hand + Send>;
 
 /// The control loop of a simulated rig.

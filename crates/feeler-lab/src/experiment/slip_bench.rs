@@ -35,7 +35,7 @@ pub struct Sample {
     pub element: u32,
     /// Ground truth: whether the element slipped since the previous frame.
     pub slipped: bool,
-    /// Scores of the detectors: shear rate (N/s) and missing shear (N).
+    /// Score of each detector: shear rate (N/s) or missing shear (N).
     pub scores: [f64; DETECTORS.len()],
 }
 

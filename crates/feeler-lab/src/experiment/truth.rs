@@ -13,7 +13,7 @@ pub struct Truth {
     /// Tightening torque of the cap, that is, the torque that its thread resists when turned further (N·m). `None`
     /// without a cap.
     pub cap_torque: Option<f64>,
-    /// Angle by which the cap is turned on (rad). `None` without a cap.
+    /// Angle by which the cap has been turned in the closing direction (rad). `None` without a cap.
     pub cap_angle: Option<f64>,
     /// Work dissipated by slipping feelers (J).
     pub slip_work: f64,

@@ -142,7 +142,7 @@ impl GraspFrame {
 pub struct GraspRecording {
     /// Prior knowledge of the measured vectors without contact.
     pub untouched: ContactReference,
-    /// Image position of each element where its vector is 0 (px). Empty if there are no images.
+    /// Position in the image (px) at which the vector of each element is 0. Empty if there are no images.
     pub origins: Vec<DVec2>,
     /// The frames in chronological order.
     pub frames: Vec<GraspFrame>,
@@ -283,8 +283,8 @@ impl DetectorTrace {
 struct FilteredRate(Vec<DVec2>);
 
 impl FilteredRate {
-    /// Updates the filter and returns the rates of the filtered shear (N/s): the remaining difference of a
-    /// first-order filter over its time constant.
+    /// Updates the filter and returns the rate of change of the filtered shear (N/s): the difference between input and
+    /// output, divided by the time constant.
     fn take<'a>(&'a mut self, interval: f64, shear: &'a [DVec2]) -> impl Iterator<Item = f64> + 'a {
         let part = -(-interval.max(0.0) / RATE_FILTER).exp_m1();
         let known = self.0.iter_mut().zip(shear);

@@ -130,7 +130,7 @@ pub(super) fn judge(
     }
 }
 
-/// Returns how often each group was drawn, indexed by group.
+/// Returns the number of times that each group was drawn, indexed by group.
 fn weights(groups: &[usize], drawn: &[&usize]) -> Vec<f64> {
     let mut weights = vec![0.0; groups.last().map_or(0, |group| group + 1)];
     drawn.iter().for_each(|&&group| weights[group] += 1.0);

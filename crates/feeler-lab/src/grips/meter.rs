@@ -7,17 +7,18 @@ use glam::DVec3;
 
 /// Gap between object and table above which the object is in the air (m).
 const IN_AIR: f64 = 3e-4;
-/// Gap from which letting go is dropping (m).
+/// Gap between object and table above which losing the object counts as dropping it (m).
 const DROP: f64 = 4e-3;
-/// Displacement of the object relative to the fingers from which it counts as dropped (m).
+/// Displacement of the object relative to the fingers above which it counts as dropped (m).
 const SLID: f64 = 0.015;
-/// Period within which all touching elements of a finger must have slipped for the whole contact to slip (s).
+/// Time window in which every touching element of a finger must have slipped for the whole contact to count as slipping
+/// (s).
 const WHOLE: f64 = 0.01;
 /// Minimum time between two slips of a contact (s).
 const APART: f64 = 0.1;
-/// Relative increase of the grip that counts as more force.
+/// Relative increase of a finger's force above which the finger has reacted to a slip.
 const MORE: f64 = 0.01;
-/// Share of the grip below which the pressing force of an element is neglected.
+/// Fraction of the grip below which the pressing force of an element is neglected.
 const FAINT: f64 = 0.002;
 /// Direction in which the fingers close.
 const AXIS: DVec3 = DVec3::X;
@@ -26,15 +27,17 @@ const AXIS: DVec3 = DVec3::X;
 #[derive(Debug, Clone, Default)]
 pub struct GripMeter {
     static_friction: f64,
-    /// Time in the air (s), and the integrals over it of the grip and of the grip that the load requires (N s).
+    /// Time for which the object was in the air (s).
     in_air: f64,
+    /// Integral of the grip over that time (N s).
     grip: f64,
+    /// Integral over that time of the grip that the load requires (N s).
     required: f64,
     /// Largest force of a finger (N).
     pub peak: f64,
     /// Largest grip that the load required (N).
     pub peak_required: f64,
-    /// Height of the object above the table, at most (m).
+    /// Maximum height of the object above the table (m).
     pub highest: f64,
     /// Displacement of the object across the grip since it was lifted (m).
     pub slid: f64,
@@ -42,19 +45,21 @@ pub struct GripMeter {
     /// `true` if the object left the fingers in the air.
     pub dropped: bool,
     fingers: Vec<FingerMeter>,
-    /// Times from the onset of slip to more force (s); `None` if the force did not rise within a second.
+    /// Time from each onset of slip to the increase of the force (s); `None` if the force did not increase within a
+    /// second.
     pub reactions: Vec<Option<f64>>,
 }
 
 /// Slip of one finger.
 #[derive(Debug, Clone, Default)]
 struct FingerMeter {
-    /// Total slip distance of each element at the previous step (m), and the time of its last slip (s).
+    /// Total slip distance of each element at the previous step (m).
     slipped: Vec<f64>,
+    /// Time of the last slip of each element (s).
     at: Vec<f64>,
     /// Time of the last step at which the whole contact slipped (s).
     whole: f64,
-    /// Onset of the slip that the grip has not yet answered: time (s), and force of the finger (N).
+    /// Onset of the slip to which the finger has not reacted yet: time (s), and force of the finger (N).
     onset: Option<(f64, f64)>,
 }
 
@@ -68,10 +73,12 @@ impl GripMeter {
         }
     }
 
-    /// Mean grip, and mean of the grip that the load requires, while the object was in the air (N). NaN if it never was.
+    /// Mean grip, and mean of the grip that the load requires, while the object was in the air (N). NaN if it never
+    /// was.
     ///
-    /// The load across the grip, divided by twice the static friction, is required at least: with torsion, kinetic friction
-    /// and uneven pressure, no gripper holds with so little.
+    /// The load requires at least the grip at which static friction of both fingers balances it: the load across the
+    /// grip, divided by twice the coefficient of static friction. Torsion, kinetic friction and uneven pressure require
+    /// more.
     pub fn mean_grips(&self) -> [f64; 2] {
         [self.grip / self.in_air, self.required / self.in_air]
     }

@@ -24,12 +24,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Height above the table that an object must have reached to count as lifted (m).
 const LIFTED: f64 = 0.08;
-/// Shares of the kinetic friction that the load may use in the search for the least grip. Above 1, an object is held by
-/// static friction alone.
+/// Ratios of the load to the limit of kinetic friction that are tried in the search for the least grip. Above 1, only
+/// static friction holds the object.
 const UTILISATIONS: [f64; 6] = [0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
 
-/// Puts the random object of `seed` into the experiment `config` of a gripper, and returns it. The law `known-friction`
-/// learns its kinetic friction.
+/// Adds the random object of `seed` to the experiment `config` of a gripper, and returns it. The law `known-friction`
+/// receives its coefficient of kinetic friction.
 pub fn place_random_object(config: &mut ExperimentConfig, seed: u64) -> GripObject {
     let object = GripObject::draw(seed);
     object.place(config);
@@ -46,7 +46,7 @@ pub fn place_random_object(config: &mut ExperimentConfig, seed: u64) -> GripObje
 pub struct GripTrial {
     /// The object.
     pub object: GripObject,
-    /// Ground truth.
+    /// Ground truth of the grasp.
     pub meter: GripMeter,
     /// Outcome of the task, or `None` if it did not end.
     pub outcome: Option<&'static str>,

@@ -12,30 +12,38 @@ use std::f64::consts::TAU;
 
 /// Gravitational acceleration (m/s²).
 const GRAVITY: f64 = 9.81;
-/// Names of the object and of the table in the simulated world.
+/// Name of the object in the simulated world.
 pub(super) const OBJECT: &str = "object";
+/// Name of the table in the simulated world.
 pub(super) const TABLE: &str = "table";
-/// Depth of a box along y, and height of all objects (m).
+/// Depth of a box along y (m).
 const DEPTH: f64 = 0.030;
+/// Height of all objects (m).
 const HEIGHT: f64 = 0.060;
 /// Thickness of the table (m).
 const THICKNESS: f64 = 0.02;
-/// Height of the centre of an object that stands on the table above the table's centre (m).
+/// Height of the centre of an object on the table, relative to the centre of the table (m).
 pub(super) const STANDING: f64 = (HEIGHT + THICKNESS) / 2.0;
-/// Height of the lift (m), and how much further the arm goes down again: objects that have slid stand higher.
+/// Height of the lift (m).
 const LIFT: f64 = 0.1;
+/// Distance by which the arm descends below its initial height (m), because an object that has slid in the grip may be
+/// higher than at the start.
 const FURTHER: f64 = 0.002;
-/// Times at which the arm lifts, shakes and lowers the gripper, and at which the object is tugged at and filled (s).
+/// Start of the lift (s).
 const LIFT_AT: f64 = 3.0;
+/// Start and end of the shake (s).
 const SHAKE: [f64; 2] = [4.0, 5.5];
+/// Start and end of the tug (s).
 const TUG: [f64; 2] = [5.8, 6.2];
+/// Start and end of the filling of the object (s).
 const FILL: [f64; 2] = [6.5, 7.5];
+/// Start and end of the descent (s).
 const LOWER: [f64; 2] = [8.0, 8.8];
-/// Force that every object bears (N).
+/// Grip that every object withstands (N).
 const SURE: f64 = 1.5;
 
-/// An object and its disturbances. Forces and accelerations are in the plane across the grip, at an angle from W's y to
-/// its z.
+/// An object and its disturbances. Forces and accelerations act in the y-z plane of W, across the grip. Their angles
+/// are measured from y towards z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripObject {
     /// `true` for an upright cylinder, `false` for a box.
@@ -44,7 +52,7 @@ pub struct GripObject {
     pub width: f64,
     /// Position of its centre relative to the middle of the gripper (m).
     pub offset: [f64; 3],
-    /// Mass when it is taken and when it is full (kg).
+    /// Mass before and after the object is filled (kg).
     pub mass: [f64; 2],
     /// Static friction coefficient.
     pub friction: f64,
@@ -52,7 +60,7 @@ pub struct GripObject {
     pub kinetic: f64,
     /// Stiffness relative to the gel's, or `None` if it is rigid.
     pub softness: Option<f64>,
-    /// Grip above 1.5 N that crushes it, relative to the largest grip that it needs.
+    /// Grip above 1.5 N at which the object is crushed, relative to the largest grip that its load requires.
     pub strength: f64,
     /// Duration of the lift (s).
     pub lift_time: f64,
@@ -92,7 +100,7 @@ impl GripObject {
         SURE + self.strength * required
     }
 
-    /// Puts the object, its table, the arm's motion and the disturbances into the experiment `config` of a gripper.
+    /// Adds the object, its table, the motion of the arm and the disturbances to the experiment `config` of a gripper.
     pub fn place(&self, config: &mut ExperimentConfig) {
         let Some(sim) = &mut config.sim else {
             return;
@@ -195,7 +203,8 @@ impl GripObject {
         ]
     }
 
-    /// A soft object is an elastic layer in series with the gel.
+    /// Reduces stiffness and damping of the feelers in `sim` for a soft object, which acts as an elastic layer in
+    /// series with the gel.
     fn soften(&self, sim: &mut SimConfig) {
         if let Some(softness) = self.softness {
             let share = softness / (1.0 + softness);
@@ -207,7 +216,7 @@ impl GripObject {
     }
 }
 
-/// Vector of this `size` across the grip, at `angle` (rad) from y to z.
+/// Vector of length `size` across the grip, at `angle` (rad) from y towards z.
 fn across(size: f64, angle: f64) -> [f64; 3] {
     [0.0, size * libm::cos(angle), size * libm::sin(angle)]
 }

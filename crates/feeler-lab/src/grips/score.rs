@@ -1,4 +1,4 @@
-//! Figures of a grip law over many trials.
+//! Statistics of a grip law over many trials.
 
 use super::GripTrial;
 use crate::sweep::analysis::bootstrap;
@@ -17,7 +17,8 @@ pub struct GripRow {
     pub dropped: bool,
     /// `true` if the object was crushed.
     pub crushed: bool,
-    /// Mean grip, and mean of the load over twice the static friction, in the air (N).
+    /// Mean grip, and mean of the load divided by twice the coefficient of static friction, both while the object is in
+    /// the air (N).
     pub grips: [f64; 2],
     /// Least mean grip with which an oracle held the object (N), if measured: see [`GripTrial::least_grip`].
     pub least: Option<f64>,
@@ -25,7 +26,8 @@ pub struct GripRow {
     pub peak: [f64; 2],
     /// Distance that the object slid in the grip (m).
     pub slid: f64,
-    /// Times from the onset of slip to more force (s); infinite if the force did not rise within a second.
+    /// Time from each onset of slip to the increase of the force (s); infinite if the force did not increase within a
+    /// second.
     pub reactions: Vec<f64>,
     /// Outcome of the task.
     pub outcome: &'static str,
@@ -82,20 +84,21 @@ impl GripRow {
         self.dropped || self.crushed
     }
 
-    /// Mean grip relative to the load over twice the static friction; `None` if the object was dropped.
+    /// Ratio of the mean grip to the load divided by twice the coefficient of static friction; `None` if the object was
+    /// dropped.
     fn excess_of_load(&self) -> Option<f64> {
         let excess = self.grips[0] / self.grips[1];
         (excess.is_finite() && !self.dropped).then_some(excess)
     }
 
-    /// Mean grip relative to the least with which an oracle held the object; `None` if the object was dropped.
+    /// Ratio of the mean grip to the least grip with which an oracle held the object; `None` if the object was dropped.
     fn excess(&self) -> Option<f64> {
         let least = self.least.filter(|_| !self.dropped)?;
         Some(self.grips[0] / least)
     }
 }
 
-/// Figures of a law. Ranges are 95 % intervals, `[low, estimate, high]`.
+/// Statistics of a law. `[low, estimate, high]` is an estimate with its 95 % interval.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GripScore {
     /// Share of the objects that were dropped.
@@ -110,16 +113,17 @@ pub struct GripScore {
     /// Mean over the held objects of the mean grip relative to the load over twice the static friction; `None` if none was
     /// held. Torsion and kinetic friction count as excess, so it is above 1 for every gripper.
     pub excess_of_load: Option<[f64; 3]>,
-    /// Sum of the mean grips over the sum of those that the loads require.
+    /// Ratio of the sum of the mean grips to the sum of the grips that the loads require.
     pub excess_of_sums: f64,
     /// Number of slips of a whole contact in the air.
     pub slips: usize,
-    /// Median and 95th percentile of the time from the onset of slip to more force (s); `None` without slips.
+    /// Median and 95th percentile of the time from the onset of slip to the increase of the force (s); `None` without
+    /// slips.
     pub reaction: Option<[f64; 2]>,
 }
 
 impl GripScore {
-    /// Computes the figures of `rows`.
+    /// Computes the statistics of `rows`.
     pub fn new(rows: &[GripRow]) -> Self {
         let count = rows.len() as u64;
         let share = |bad: fn(&GripRow) -> bool| {
@@ -158,9 +162,9 @@ impl GripScore {
 pub struct GripDifference {
     /// Share of objects that this law dropped, minus that of the reference.
     pub dropped: [f64; 3],
-    /// Share of objects that it crushed, minus that of the reference.
+    /// Share of objects that this law crushed, minus that of the reference.
     pub crushed: [f64; 3],
-    /// Share of objects that it dropped or crushed, minus that of the reference.
+    /// Share of objects that this law dropped or crushed, minus that of the reference.
     pub failed: [f64; 3],
 }
 

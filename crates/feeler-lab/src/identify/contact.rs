@@ -27,7 +27,7 @@ pub struct Contact {
     pub samples: Vec<Sample>,
 }
 
-/// Returns `true` if elements stick in `step`.
+/// Returns `true` if elements stick to the object during `step`.
 fn sticks(step: Step) -> bool {
     matches!(
         step,

@@ -8,7 +8,7 @@ use feeler::control::StopReason;
 /// Error of the identification of a hand.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
-    /// The experiment has no path to probe along.
+    /// The experiment defines no stroke for the probe: it has neither `[task.screw]` nor `[task.probe]`.
     #[error(
         "expected an experiment with [task.screw] or [task.probe], which define the home, approach and stroke of each finger; got [task.{task}]"
     )]

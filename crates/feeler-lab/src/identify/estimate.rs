@@ -13,11 +13,13 @@ use feeler::control::Stiffness;
 
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL: f64 = 1.96;
-/// Threshold of a touching element's force: a multiple of the noise in standard deviations, and a minimum (N).
+/// Minimum force on a touching element, in standard deviations of the noise.
 const TOUCHES: f64 = 6.0;
+/// Lower limit of the minimum force on a touching element (N).
 const MIN_TOUCH: f64 = 0.06;
 
-/// Number of alignments of forces and poses. They are iterated because the fit is accurate to first order in the delay.
+/// Number of times that the forces are aligned with the poses. The alignment is iterated because each fit is accurate
+/// only to first order in the delay.
 const ALIGNMENTS: usize = 3;
 
 // Model errors, calibrated on plausible simulated hands: factors on standard deviations, and systematic deviations that

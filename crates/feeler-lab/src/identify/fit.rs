@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-/// Maximum relative standard deviation of a stretch's first coefficient; other stretches are not used.
+/// Maximum relative standard deviation of the first coefficient of a stretch. Stretches above it are not used.
 const EXCITED: f64 = 0.2;
 
 /// Samples of a section of a run: rows of up to three regressors and the dependent value, which has an unknown

@@ -7,9 +7,11 @@ use feeler::hand::JointVector;
 /// Duration of the sections in which the modelled joint angles have separate offsets (s), to allow for drift of a
 /// drive.
 const STRETCH: f64 = 1.0;
-/// Maximum lag of the drives, and maximum delay of the encoders, that the fit considers (s).
+/// Maximum lag of the drives that the fit considers (s).
 const MAX_LAG: f64 = 0.2;
+/// Maximum delay of the encoders that the fit considers (s).
 const MAX_DELAY: f64 = 0.1;
+/// Minimum lag of the drives that the fit considers (s).
 const MIN_LAG: f64 = 1e-4;
 /// Convergence tolerance of the golden-section search (s).
 const ACCURACY: f64 = 5e-5;
@@ -31,7 +33,7 @@ struct Drive {
 }
 
 impl Drive {
-    /// Advances by `time` under a constant velocity `command`, exactly, with the time constant `lag`.
+    /// Advances the exact solution by `time` (s), for the constant velocity `command` and the time constant `lag` (s).
     fn follow(&mut self, command: JointVector, time: f64, lag: f64) {
         let decay = (-time / lag).exp();
         let behind = self.velocity - command;

@@ -60,7 +60,7 @@ pub struct SensorGeometry {
     pub made_for: CalibrationTarget,
     /// Located layout, or `None` for the fingertip of an experiment.
     pub layout: Option<LocatedLayout>,
-    /// `true` if elements are tracked as markers instead of computing moments of sub-regions. Ignored without a
+    /// `true` if elements are tracked as markers; `false` if moments of sub-regions are computed. Ignored without a
     /// layout.
     pub tracked: bool,
 }

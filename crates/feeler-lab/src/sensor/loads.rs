@@ -118,7 +118,8 @@ impl LoadsFile {
         self.checked(check_magnitude("an element", forces, ELEMENT_RANGE))
     }
 
-    /// Rejects loads that contradict the images in the number of elements, signs, axes or the zeros of recordings.
+    /// Rejects loads that contradict the images in the number of elements, signs, axes or the zero offsets of
+    /// recordings.
     ///
     /// # Errors
     /// If there is a contradiction. The error suggests its likely cause.

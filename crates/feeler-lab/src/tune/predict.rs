@@ -8,7 +8,7 @@ use super::settings::Settings;
 /// Results of simulating the same settings over several draws.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Prediction {
-    /// Margins of the five claims in each run.
+    /// Margin of each evaluated claim, for each run.
     pub margins: Vec<Margins>,
     /// Drawn values of each run.
     pub values: Vec<Vec<f64>>,

@@ -10,7 +10,8 @@ use super::hand::Hand;
 pub const SETTINGS: usize = 9;
 /// Number of dimensionless groups.
 pub const GROUPS: usize = 6;
-/// Values of the groups at which each rule equals its coefficient.
+/// Reference value of each dimensionless group. If all groups of a hand have these values, a rule evaluates to its
+/// coefficient.
 const REFERENCE: [f64; GROUPS] = [0.5, 1.0, 0.78, 16.6, 1.0, 0.003];
 
 /// Computes the dimensionless groups of a hand: k_t / k_n, mu_s, mu_k / mu_s, contact radius over an element's
@@ -27,7 +28,7 @@ pub fn groups(hand: &Hand) -> [f64; GROUPS] {
     ]
 }
 
-/// A power law of the groups.
+/// A rule for one ratio: a coefficient times a power of each dimensionless group.
 #[derive(Debug, Clone, Copy)]
 pub struct Rule {
     /// The computed ratio, such as `v_r / v_m`.

@@ -13,12 +13,12 @@ use std::path::Path;
 
 /// Experiment whose plausible ranges are used for values that were not identified.
 const RANGES: &str = "cap-closing";
-/// Group of these ranges that materials and manufacturing determine.
+/// Group of the ranges that depend on materials and manufacturing.
 const GROUP: &str = "apparatus";
 /// Maximum number of attempts per draw. Some draws are invalid, for example kinetic friction above static friction.
 const ATTEMPTS: u64 = 100;
 
-/// A simulated hand with its uncertain values.
+/// The uncertain values of a simulated hand, from which plausible hands are drawn.
 pub struct Uncertainty {
     experiment: Experiment,
     parameters: Vec<Parameter>,

@@ -20,7 +20,7 @@ pub struct Change {
     pub before: f64,
     /// The tuned value.
     pub after: f64,
-    /// Text of the rule: the ratio that it computes, and the physical reason for it.
+    /// The ratio that the rule computes and its physical reason, as text.
     pub reason: String,
 }
 

@@ -22,7 +22,7 @@ impl Order {
         (Self::Stop(StopMessage { protocol, from, id }), id)
     }
 
-    /// Creates an order by `from` to resume stop `number`.
+    /// Creates an order by `from` to resume after the stop `number`.
     pub fn resume(from: &str, number: u64) -> Self {
         Self::Resume(ResumeMessage {
             protocol: PROTOCOL,

@@ -70,8 +70,9 @@ struct RigClock {
     offset: f64,
     /// Run time of the state (s).
     time: f64,
-    /// Earliest possible measurement time and arrival time of the state (s, on the hand's clock).
+    /// Earliest possible measurement time of the state (s, on the hand's clock).
     earliest: f64,
+    /// Arrival time of the state (s, on the hand's clock).
     arrived: f64,
 }
 

@@ -30,8 +30,8 @@ pub struct HandInbox {
     pub sent: SentSteps,
     /// Active stops.
     pub holds: ActiveStops,
-    /// In lockstep, the sequence number of the last answered state. Its threads are woken only when the next state and
-    /// the forces of all fingers have arrived.
+    /// In lockstep, the sequence number of the last answered state. Waiting threads are woken only when the next state
+    /// and the forces of all fingers have arrived.
     pub(crate) answered: Option<u64>,
 }
 
@@ -50,7 +50,7 @@ pub struct FingerInbox {
     sequence: Sequence,
     /// Earliest possible measurement time of the latest update (s, on the hand's clock).
     earliest: f64,
-    /// Run time of the latest update (s), or `None` if it is stamped by the sensor's clock.
+    /// Time of the latest update on the run's clock (s), or `None` if it is stamped by the sensor's clock.
     time: Option<f64>,
     /// Combined flags of all updates since the last [`take_flags`](Self::take_flags).
     flags: Option<FingerFlags>,
@@ -61,7 +61,7 @@ pub struct FingerInbox {
 pub struct StateInbox {
     /// Latest state, or `None` before the first.
     pub newest: Option<StateMessage>,
-    /// Run time of the latest state (s).
+    /// Time of the latest state on the run's clock (s).
     pub time: f64,
     /// Number of lost states, from gaps in sequence numbers.
     pub lost: u64,
@@ -245,8 +245,8 @@ impl HandInbox {
         state > answered && self.fingers.iter().all(felt)
     }
 
-    /// Returns the run time of the latest update of `finger` (s). For a sensor with a separate clock, it is estimated
-    /// relative to the latest state from the earliest possible measurement times of both.
+    /// Returns the time of the latest update of `finger` on the run's clock (s). For a sensor with a separate clock, it
+    /// is estimated relative to the latest state from the earliest possible measurement times of both.
     pub fn time_of(&self, finger: usize) -> f64 {
         let finger = self.fingers.get(finger);
         finger.map_or(self.state.time, |finger| finger.time_of(&self.state))
@@ -271,12 +271,13 @@ impl HandInbox {
 }
 
 impl FingerInbox {
-    /// Run time of the latest update (s), as in [`HandInbox::time_of`].
+    /// Returns the time of the latest update on the run's clock (s), as in [`HandInbox::time_of`].
     fn time_of(&self, state: &StateInbox) -> f64 {
         self.measured_at(state).max(0.0)
     }
 
-    /// Run time of the latest update (s), negative if it was measured before the start of the run.
+    /// Returns the time of the latest update on the run's clock (s), negative if it was measured before the start of
+    /// the run.
     fn measured_at(&self, state: &StateInbox) -> f64 {
         let later = (self.earliest - state.earliest) * state.clock.speed().times();
         let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };

@@ -164,8 +164,8 @@ impl SenseInbox {
         self.waiting.pop_front()
     }
 
-    /// Returns the latest step of the hand received by `at` (s, on the program's clock), which an image taken at that
-    /// time echoes.
+    /// Returns the latest step of the hand received by `at` (s, on the program's clock). Messages about an image taken
+    /// at that time contain this step as their echo.
     pub fn echo_at(&self, at: f64) -> Echo {
         let before = self.echoes.iter().rev().find(|echo| echo.arrived <= at);
         before.copied().unwrap_or_default()

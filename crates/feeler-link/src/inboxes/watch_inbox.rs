@@ -28,9 +28,11 @@ pub struct WatchInbox {
     fingers: Vec<Option<TactileUpdate>>,
     mode: Option<HandMode>,
     state: Option<StateMessage>,
-    /// Sequence numbers of the latest update of each finger, of the latest state and of the latest mode.
+    /// Sequence number of the latest update of each finger.
     updates: Vec<Sequence>,
+    /// Sequence number of the latest state.
     states: Sequence,
+    /// Sequence number of the latest mode.
     modes: Sequence,
     /// Number of force and joint messages lost by this observer. The hand may have received them.
     pub missed: u64,

@@ -30,7 +30,7 @@ struct Keys {
 /// endpoints without TLS have all rights; [`LinkConfig::check`] prevents such endpoints from being public by mistake.
 ///
 /// # Errors
-/// If a list of withdrawn certificates exists but cannot be read.
+/// If a list of revoked certificates exists but cannot be read.
 pub fn access_control(config: &LinkConfig, role: Role) -> Result<Option<Value>, WithdrawnError> {
     let endpoints = || config.listen.iter().chain(&config.connect);
     let Some(folder) = &config.certificates else {
@@ -44,8 +44,8 @@ pub fn access_control(config: &LinkConfig, role: Role) -> Result<Option<Value>, 
     Ok(Some(rules(&config.rig, role, &withdrawn, is_open)))
 }
 
-/// Returns the access-control settings for the rig named `rig`. All other access is denied. Certificates in `withdrawn`
-/// have no rights. If `is_open`, peers without TLS have all rights.
+/// Returns the access-control settings for the rig named `rig`. All other access is denied. The revoked certificates in
+/// `withdrawn` have no rights. If `is_open`, peers without TLS have all rights.
 pub fn rules(rig: &str, role: Role, withdrawn: &BTreeSet<CertificateName>, is_open: bool) -> Value {
     let rights = match role {
         Role::Hand => Right::all(),
@@ -78,7 +78,7 @@ pub fn rules(rig: &str, role: Role, withdrawn: &BTreeSet<CertificateName>, is_op
     })
 }
 
-/// Returns all possible certificate names for a right, including those that are not issued yet, without the withdrawn
+/// Returns all possible certificate names for a right, including those that are not issued yet, without the revoked
 /// ones.
 fn names(
     right: Right,

@@ -89,7 +89,7 @@ impl Authority {
     }
 
     /// Issues new certificates, under new names, for those of `computer` that grant one of `rights`. The old ones stay
-    /// valid until they expire or are withdrawn.
+    /// valid until they expire or are revoked.
     ///
     /// # Errors
     /// If the computer has no such certificate, or the folder cannot be written.

@@ -1,11 +1,11 @@
-//! Errors of issuing and withdrawing certificates.
+//! Errors of issuing and revoking certificates.
 
 use super::files::FileError;
 use super::register::RegisterError;
 use super::withdrawn::WithdrawnError;
 use std::path::PathBuf;
 
-/// Error of issuing or withdrawing certificates.
+/// Error of issuing or revoking certificates.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
     /// A file cannot be read or written.
@@ -31,7 +31,7 @@ pub enum CertificateError {
         /// The lab's folder.
         lab: PathBuf,
     },
-    /// No certificate to withdraw or renew.
+    /// No certificate to revoke or renew.
     #[error("{computer} has no certificate for {rights}; --list shows all certificates")]
     None {
         /// Name of the computer.
@@ -50,7 +50,7 @@ pub enum CertificateError {
     /// The list of issued certificates is invalid.
     #[error(transparent)]
     Register(#[from] RegisterError),
-    /// The list of withdrawn certificates is invalid.
+    /// The list of revoked certificates is invalid.
     #[error(transparent)]
     Withdrawn(#[from] WithdrawnError),
 }

@@ -1,4 +1,4 @@
-//! Lists and withdraws the certificates of a lab.
+//! Lists and revokes the certificates of a lab.
 
 use super::authority::{Authority, CertificateError, none};
 use super::files::{FileError, append};
@@ -14,7 +14,7 @@ use std::fs;
 pub struct Listed {
     /// Name, computer and last day of validity.
     pub entry: Entry,
-    /// `true` if the lab has withdrawn the certificate.
+    /// `true` if the lab has revoked the certificate.
     pub withdrawn: bool,
     /// `true` if the last day of validity is over.
     pub expired: bool,
@@ -23,8 +23,8 @@ pub struct Listed {
 }
 
 impl Authority {
-    /// Withdraws all certificates of `computer` that grant one of `rights`, and returns their names. Updates the list
-    /// of withdrawn certificates in the lab's folder and in each computer's folder.
+    /// Revokes all certificates of `computer` that grant one of `rights`, and returns their names. Updates the list of
+    /// revoked certificates in the lab's folder and in each computer's folder.
     ///
     /// # Errors
     /// If the computer has no such certificate, or the list cannot be read or written.
@@ -48,7 +48,7 @@ impl Authority {
         entries.map(|entry| entry.name).collect()
     }
 
-    /// Withdraws the named certificates.
+    /// Revokes the named certificates.
     ///
     /// # Errors
     /// If the list cannot be read or written.
@@ -67,7 +67,7 @@ impl Authority {
     /// Returns all certificates, in the order in which they were issued.
     ///
     /// # Errors
-    /// If the list of withdrawn certificates cannot be read.
+    /// If the list of revoked certificates cannot be read.
     pub fn list(&self) -> Result<Vec<Listed>, CertificateError> {
         let withdrawn = withdrawn::read(&self.lab.join(WITHDRAWN))?;
         let today = validity::day(validity::now());
@@ -85,7 +85,7 @@ impl Authority {
         Ok(self.register.entries().iter().map(listed).collect())
     }
 
-    /// Copies the list of withdrawn certificates into the folder of each computer.
+    /// Copies the list of revoked certificates into the folder of each computer.
     pub(crate) fn hand_out_withdrawn(&self) -> Result<(), CertificateError> {
         let list = self.lab.join(WITHDRAWN);
         if !list.exists() {

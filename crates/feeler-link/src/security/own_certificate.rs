@@ -58,7 +58,7 @@ pub enum OwnCertificateError {
         /// Today's date by this computer's clock.
         today: String,
     },
-    /// Withdrawn by the lab.
+    /// Revoked by the lab.
     #[error(
         "--certificates: {} is {name}, which the lab has withdrawn; issue a new one with feeler certificates --renew",
         path.display()
@@ -69,7 +69,7 @@ pub enum OwnCertificateError {
         /// Name of the certificate.
         name: CertificateName,
     },
-    /// The list of withdrawn certificates cannot be read.
+    /// The list of revoked certificates cannot be read.
     #[error(transparent)]
     List(#[from] WithdrawnError),
 }

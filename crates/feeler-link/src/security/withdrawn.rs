@@ -1,14 +1,14 @@
-//! File that lists the certificates withdrawn by a lab, one name per line.
+//! File that lists the certificates revoked by a lab, one name per line.
 
 use super::files::{FileError, read_if_present};
 use super::right::{CertificateName, RightError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Name of the file that lists withdrawn certificates, in the lab's folder and in each certificate folder.
+/// Name of the file that lists revoked certificates, in the lab's folder and in each certificate folder.
 pub const WITHDRAWN: &str = "withdrawn.txt";
 
-/// Error of reading the list of withdrawn certificates.
+/// Error of reading the list of revoked certificates.
 #[derive(Debug, thiserror::Error)]
 pub enum WithdrawnError {
     /// The file cannot be read.

@@ -11,8 +11,9 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use std::{io, thread};
 
-/// Interval between repeated calls, and maximum total duration of a call.
+/// Interval between repeated calls.
 const INTERVAL: Duration = Duration::from_millis(100);
+/// Maximum total duration of a call.
 const LONGEST: Duration = Duration::from_secs(5);
 
 /// Error of a call to the stop server: the hand did not stop, or did not confirm that it stopped.

@@ -17,9 +17,10 @@ const MAY_STOP: [Right; 3] = [Right::Order, Right::Stop, Right::Hand];
 /// Length of a time slot. A challenge is valid in its time slot and in the next one.
 const CHALLENGE: Duration = Duration::from_secs(10);
 
-/// Maximum number of signature checks per second, in total and per address. A check and the signature of the answer
-/// take a fraction of a millisecond.
+/// Maximum number of signature checks per second in total. A check and the signature of the answer take a fraction of a
+/// millisecond.
 const CHECKS: u32 = 200;
+/// Maximum number of signature checks per second for one address.
 const CHECKS_OF_ONE: u32 = 20;
 
 /// Number of answers kept, to resend them to callers that missed them.

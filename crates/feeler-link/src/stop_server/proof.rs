@@ -28,7 +28,7 @@ pub enum CredentialsError {
         /// Path of the file.
         path: PathBuf,
     },
-    /// The list of withdrawn certificates cannot be read.
+    /// The list of revoked certificates cannot be read.
     #[error(transparent)]
     Withdrawn(#[from] WithdrawnError),
     /// Signing failed.
@@ -51,7 +51,7 @@ pub enum Denial {
     /// The certificate does not grant the required right.
     #[error("certificate {0} does not grant this right")]
     Right(CertificateName),
-    /// Withdrawn by the lab.
+    /// Revoked by the lab.
     #[error("certificate {0} is withdrawn")]
     Withdrawn(CertificateName),
     /// Issued by another lab, or not valid now.
@@ -67,7 +67,7 @@ pub enum Denial {
     Signature(CertificateName),
 }
 
-/// Certificate and key of a program, with the authority and the withdrawn names against which other certificates are
+/// Certificate and key of a program, with the authority and the revoked names against which other certificates are
 /// checked.
 pub struct Credentials {
     authority: CertificateDer<'static>,

@@ -63,7 +63,7 @@ pub enum LinkError {
         /// The invalid name.
         rig: String,
     },
-    /// The list of withdrawn certificates cannot be read.
+    /// The list of revoked certificates cannot be read.
     #[error(transparent)]
     Withdrawn(#[from] WithdrawnError),
     /// Error of the transport.

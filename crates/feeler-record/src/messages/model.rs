@@ -15,8 +15,9 @@ pub const WORLD_FRAME: &str = "world";
 /// Ratio of a drawn link's radius to the dome's.
 const LINK_OVER_DOME: f64 = 0.3;
 
-/// Maximum number of solids around a hand and of corners of an outline. Guards against damaged files.
+/// Maximum number of solids around a hand. Guards against damaged files.
 const MAX_SOLIDS: usize = 64;
+/// Maximum number of corners of an outline. Guards against damaged files.
 const MAX_CORNERS: usize = 20_000;
 
 /// Geometry of a finger.

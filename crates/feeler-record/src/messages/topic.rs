@@ -319,8 +319,8 @@ pub(crate) struct Channel {
 }
 
 impl Channel {
-    /// The channels of a run with these constants, in the order of the recording. Channels for viewers are included if
-    /// the hand's geometry is known; channels of images, if `pictures` is set, are last.
+    /// The channels of the run described by `facts`, in the order of the recording. Channels for viewers are included
+    /// if the hand's geometry is known; channels of images, if `pictures` is set, are last.
     pub fn of_run(facts: &RunFacts, pictures: bool) -> Vec<Self> {
         let fingers = facts.fingers;
         let mut channels = Vec::new();
@@ -370,12 +370,12 @@ impl Channel {
         channels
     }
 
-    /// The channels of efforts of a run with these constants.
+    /// The channels of efforts of the run described by `facts`.
     pub fn of_efforts(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
         (0..facts.fingers).map(|finger| topics::efforts(finger).into())
     }
 
-    /// All channels that a recording with these constants can have.
+    /// All channels that a recording of the run described by `facts` can have.
     pub fn known(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
         let others = [topics::RECORDING_GAP.into(), topics::FELT.into()];
         let channels = Self::of_run(facts, true).into_iter().chain(others);

@@ -40,7 +40,7 @@ pub struct FingerRecord {
 pub struct PictureAt {
     /// Time of the image (ns).
     pub log_time: u64,
-    /// Offset of its message in bytes: from the start of the file, or of the decompressed chunk.
+    /// Offset of the image's message in bytes: from the start of the file, or of the decompressed chunk.
     pub offset: u64,
     /// Length of the message in bytes.
     pub length: usize,
@@ -214,7 +214,7 @@ impl Recording {
     }
 }
 
-/// Removes all messages before the one that is current at `time` (s). Returns how many were removed.
+/// Removes all messages before the one that is current at `time` (s). Returns the number of removed messages.
 fn forget<M: Stamped>(messages: &mut Vec<M>, time: f64) -> usize {
     let count = count_before_latest(messages, time);
     messages.drain(..count);

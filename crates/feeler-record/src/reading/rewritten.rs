@@ -144,8 +144,9 @@ struct Outline {
     kept: Vec<Record<'static>>,
     schemas: HashMap<u16, String>,
     topics: BTreeMap<u16, Topic>,
-    /// Latest time of a message so far (ns), and whether an older message followed it.
+    /// Latest time of a message so far (ns).
     newest: u64,
+    /// `true` if any message is older than one before it.
     goes_back: bool,
     /// Description of the first damaged chunk.
     damage: Option<String>,

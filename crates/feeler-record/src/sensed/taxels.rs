@@ -10,8 +10,9 @@ use glam::DVec3;
 const NUMBERS: [&str; 6] = ["x", "y", "z", "fx", "fy", "fz"];
 /// The fields that are 0 or 1: whether the element slips, and whether its force is known.
 const FLAGS: [&str; 2] = ["slip", "valid"];
-/// Size of a number and of a point in bytes. A point is a multiple of a number, so that numbers are aligned.
+/// Size of a number in bytes.
 const NUMBER: usize = 4;
+/// Size of a point in bytes: a multiple of the size of a number, so that numbers are aligned.
 const POINT: usize = 28;
 
 /// The elements of a fingertip.

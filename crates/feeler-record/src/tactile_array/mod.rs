@@ -28,7 +28,7 @@ pub enum ArrayError {
     /// A list does not have one entry per element, or per element and component.
     #[error("expected {expected} entries in {list}, got {actual}")]
     Count {
-        /// Name of the list.
+        /// Name of the list with the wrong length.
         list: String,
         /// Expected number of entries.
         expected: usize,
@@ -60,7 +60,7 @@ pub enum ArrayError {
 }
 
 impl TactileArray {
-    /// Array without elements, for a sensor with only a `header`. The sensor's name is that of its frame.
+    /// Array without elements, for a sensor that is only known by its `header`. The sensor's name is that of its frame.
     pub fn unknown(header: &Header) -> Self {
         Self {
             header: header.clone(),

@@ -12,8 +12,9 @@ use glam::DVec3;
 pub const FRAME_TIME: f64 = 1.0 / 30.0;
 /// Length of a force arrow (m/N).
 const ARROW_LENGTH: f64 = 0.01;
-/// Line width of an arrow (m), and ratio of its barbs' length to its length.
+/// Line width of an arrow (m).
 const ARROW_WIDTH: f64 = 0.0006;
+/// Ratio of the length of an arrow's barbs to the length of the arrow.
 const BARB: f64 = 0.25;
 /// Ratio of an element's dot diameter to the dome's radius.
 const DOT: f64 = 0.09;
@@ -114,7 +115,7 @@ pub struct ForceArrows {
 }
 
 impl ForceArrows {
-    /// Creates the arrows for `finger` in a run with these constants.
+    /// Creates the arrows for `finger` in the run described by `facts`.
     pub fn new(finger: usize, facts: &RunFacts) -> Self {
         Self {
             finger,

@@ -39,7 +39,7 @@ struct Finger {
 }
 
 impl ViewerLog {
-    /// Creates a log for a run with these constants, or returns `None` if they lack the geometry of the fingers.
+    /// Creates a log for the run described by `facts`, or returns `None` if the geometry of its fingers is unknown.
     ///
     /// # Errors
     /// If the constants are invalid.

@@ -39,13 +39,13 @@ impl From<Vector3> for DVec3 {
 /// A rotation, as ROS 2's `geometry_msgs/Quaternion`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Quaternion {
-    /// Imaginary part along x.
+    /// x component of the quaternion.
     pub x: f64,
-    /// Imaginary part along y.
+    /// y component of the quaternion.
     pub y: f64,
-    /// Imaginary part along z.
+    /// z component of the quaternion.
     pub z: f64,
-    /// Real part.
+    /// w component (real part) of the quaternion.
     pub w: f64,
 }
 

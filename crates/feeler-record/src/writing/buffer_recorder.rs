@@ -28,7 +28,7 @@ pub struct BufferRecorder {
 }
 
 impl BufferRecorder {
-    /// Creates a recorder of a run with these constants, with `options` for additional content and for buffering.
+    /// Creates a recorder for the run described by `facts`, with `options` for additional content and for buffering.
     ///
     /// # Errors
     /// If the facts are invalid.

@@ -40,7 +40,7 @@ pub struct MemoryRecorder {
 }
 
 impl MemoryRecorder {
-    /// Creates a recorder for a run with these constants.
+    /// Creates a recorder for the run described by `facts`.
     ///
     /// # Errors
     /// If the facts are invalid.

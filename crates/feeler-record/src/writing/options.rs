@@ -10,11 +10,11 @@ pub const FLUSH_INTERVAL: f64 = 1.0;
 /// Optional content of a recording, and how it is written to its file.
 #[derive(Debug, Clone)]
 pub struct RecordOptions {
-    /// Text of each calibration file named in the experiment, by name. Not part of the digest, because another
-    /// calibration changes the forces.
+    /// Text of each calibration file named in the experiment, by name. Not part of the digest, because the recorded
+    /// forces show a change of calibration.
     pub calibrations: BTreeMap<String, String>,
-    /// Learnt policy, if the experiment names one as its control law. Not part of the digest, because another policy
-    /// changes the commands.
+    /// Learnt policy, if the experiment names one as its control law. Not part of the digest, because the recorded
+    /// commands show a change of policy.
     pub policy: Option<PolicyFile>,
     /// `true` if images will be recorded.
     pub pictures: bool,

@@ -50,7 +50,7 @@ struct RecordedPicture {
 }
 
 impl<R: MessageSink> RunLog<R> {
-    /// Creates a log that writes a run with these constants to `recorder`.
+    /// Creates a log that writes the run described by `facts` to `recorder`.
     ///
     /// # Errors
     /// If the constants are invalid.

@@ -32,7 +32,7 @@ pub const POLICY: &str = "policy/";
 
 /// Media type of the experiment and of calibrations.
 const TOML: &str = "application/toml";
-/// Media type of a policy, since no specific type is registered.
+/// Media type of attached policy files, for which no specific type is registered.
 const BYTES: &str = "application/octet-stream";
 
 /// The file of a recording.
@@ -57,7 +57,7 @@ impl Sink {
         Self::in_container(container, facts, experiment, options, channels)
     }
 
-    /// Like [`create`](Self::create), but for the start of a file that is written to `output`.
+    /// Like [`create`](Self::create), but writes the file to `output`.
     pub fn to_output(
         output: Output,
         facts: &RunFacts,

@@ -93,8 +93,8 @@ pub(super) fn path_is_curved(measured: &Measured) -> Claim {
     )
 }
 
-/// Claim that OVER limits the grasp force that slips build up, within the window of
-/// [`PathFit`](crate::measures::path_fit::PathFit).
+/// Claim that the grasp force levels off with the cap closed, because OVER limits its increase in response to slip.
+/// Evaluated within the window of [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn grip_levels_off(data: &RunData) -> Claim {
     let over = each_finger(data, &CLOSED, over_fraction);
     Claim::new(

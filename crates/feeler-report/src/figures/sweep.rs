@@ -43,8 +43,9 @@ pub struct TrialMeasure {
 const BINS: usize = 12;
 /// Number of bins of a histogram.
 const BARS: usize = 24;
-/// Maximum number of trials in an interactive panel, and in a static figure.
+/// Maximum number of trials in an interactive panel.
 const MAX_TRIALS: usize = 5000;
+/// Maximum number of trials in a static figure.
 const MAX_DOTS: usize = 300;
 const SUCCESS: &str = "success";
 const FAILURE: &str = "failure";

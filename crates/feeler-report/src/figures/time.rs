@@ -196,7 +196,8 @@ fn answering(data: &RunData, upper: &Upper, rows: Option<&Range<usize>>) -> Vec<
     panels
 }
 
-/// A quantity of each finger above the torque over a range of rows, optionally with the slip strip between them.
+/// Static panels over a range of rows: a quantity of each finger at the top, the torque at the bottom, and optionally
+/// the slip strip between them.
 fn panels(
     data: &RunData,
     number: u32,

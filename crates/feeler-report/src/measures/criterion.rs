@@ -11,18 +11,18 @@ use serde::{Serialize, Serializer};
 pub enum Criterion {
     /// All claims of the task. If the paper's hand screws a cap under the paper's law, these are the paper's claims.
     Claims,
-    /// All claims about any hand: a cap is screwed under another law.
+    /// All claims about any hand. Applies if a cap is screwed under another law than the paper's.
     AnyHand,
-    /// The cap is closed and no element was overloaded: another hand under the paper's law.
+    /// The cap is closed and no element was overloaded. Applies to another hand than the paper's under the paper's law.
     Closed,
-    /// Every stroke turned the cap or it is closed, and no element was damaged: too few strokes are planned for the
-    /// claims about a closed cap.
+    /// Every stroke turned the cap or the cap is closed, and no element was damaged. Applies if too few strokes are
+    /// planned for the claims about a closed cap.
     Turned,
     /// The cap was detected closed by touch, is tight, and no element was damaged.
     ClosedWell,
     /// The cap was detected open by touch, turned as far as measured by touch, and no element was damaged.
     OpenedWell,
-    /// Completing the task suffices.
+    /// The task was completed. Applies to tasks without another criterion.
     Done,
 }
 

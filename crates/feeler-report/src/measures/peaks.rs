@@ -18,8 +18,9 @@ pub(crate) struct PeakCounter {
     newest: VecDeque<f64>,
     /// Number of samples so far.
     taken: usize,
-    /// Thresholds of [`count_peaks`].
+    /// Threshold above which a peak starts, relative to the largest mean; see [`count_peaks`].
     upper: f64,
+    /// Threshold below which a peak ends, relative to the largest mean.
     lower: f64,
     /// Largest mean so far.
     largest: f64,

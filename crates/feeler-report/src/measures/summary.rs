@@ -34,7 +34,7 @@ pub struct Summary {
     pub real_time_factor: Option<f64>,
     /// Strokes in chronological order.
     pub strokes: Vec<StrokeMeasures>,
-    /// Comparison of the strokes with the paper's Fig. 8; `None` unless there are four.
+    /// Comparison of the strokes with the paper's Fig. 8; `None` unless strokes 1 to 4 were measured.
     pub stroke_pattern: Option<StrokePattern>,
     /// Outcome of the task, if the task determined one.
     pub outcome: Option<TaskOutcome>,

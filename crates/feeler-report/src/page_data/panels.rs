@@ -8,7 +8,7 @@ use std::borrow::Cow;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PanelKind {
-    /// Time.
+    /// Time of the run.
     Time,
     /// Any other quantity.
     Xy,

@@ -13,8 +13,9 @@ use glam::{DQuat, DVec3};
 use serde::Serialize;
 use std::io::Write;
 
-/// Maximum number of rows per second and per page, so that a browser draws the page within two seconds.
+/// Maximum number of rows per second in a page.
 const RATE: f64 = 100.0;
+/// Maximum number of rows in a page, which a browser draws within two seconds.
 const MAX_ROWS: usize = 30_000;
 /// Minimum step between stored force values (N): a quarter of a sensor's noise.
 const FORCE_STEP: f64 = 5e-4;
@@ -231,7 +232,7 @@ fn add_felt(
     columns.f32(of_finger(number, "shear_rate"), 1, rate);
 }
 
-/// Adds the contact of a finger.
+/// Adds the columns with the contact of a finger.
 fn add_contact(
     columns: &mut Columns,
     number: usize,
@@ -263,7 +264,7 @@ pub fn contact_values(contact: Option<Contact>) -> [f64; CONTACT_WIDTH] {
     ]
 }
 
-/// Adds the motion of cap and object.
+/// Adds the columns with the motion of the cap and of the object.
 fn add_moving(columns: &mut Columns, data: &RunData, kept: &(impl Iterator<Item = usize> + Clone)) {
     let place = |position: DVec3, turned: DQuat| {
         let numbers = position.to_array().into_iter().chain(turned.to_array());

@@ -95,7 +95,7 @@ pub struct GraspTiming {
     pub delay: Option<[f64; 3]>,
     /// Number of reported slips with a known time of loss.
     pub losses: usize,
-    /// Number of these that are reported before the object is gone.
+    /// Number of slips with a known time of loss that are reported before the object is lost.
     pub before_loss: usize,
     /// Quartiles of the time from alarm to loss (s), negative if the alarm is later.
     pub lead: Option<[f64; 3]>,

@@ -20,7 +20,7 @@ pub struct LawSharesPage {
     pub planned: u64,
     /// Number of trials completed under all laws.
     pub finished: u64,
-    /// Number of hands among them: points at which the experiment is valid under at least one law.
+    /// Number of hands among the completed trials: points at which the experiment is valid under at least one law.
     pub hands: u64,
     /// Results of the laws, in the order of the command line.
     pub laws: Vec<LawShares>,

@@ -17,7 +17,7 @@ pub struct RangeRow {
     pub keys: Vec<String>,
     /// Key whose value is multiplied by the drawn value, if any.
     pub of: Option<String>,
-    /// Exponent of that key's value; 1 if `None`.
+    /// Exponent of the value of the key `of`; 1 if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<f64>,
     /// Range as written in the experiment file.

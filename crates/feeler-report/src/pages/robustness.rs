@@ -29,7 +29,7 @@ pub struct RobustnessPage {
     pub planned: u64,
     /// Number of design points at which everything varies.
     pub rows: u64,
-    /// Number of hands among them: points with a valid experiment.
+    /// Number of hands: design points with a valid experiment.
     pub hands: u64,
     /// Number of pairs of design points from which the sensitivity indices are estimated.
     pub pairs: u64,
@@ -51,7 +51,7 @@ pub struct RobustnessPage {
 /// Trials with the same outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ending {
-    /// Outcome.
+    /// Outcome of these trials, as in the table of trials.
     pub outcome: String,
     /// Number of trials.
     pub trials: u64,

@@ -56,7 +56,7 @@ pub struct ClaimRow {
     pub low: [Option<f64>; 2],
 }
 
-/// An uncertain value.
+/// Row of the table of uncertain values: one value, and its effect on the success rate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostRow {
     /// Name of the value.

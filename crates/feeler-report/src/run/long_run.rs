@@ -92,17 +92,19 @@ fn convert(
     Ok((recording, data))
 }
 
-/// Converter of a run that is being read or recorded.
+/// Converts a run to columns and measures in bounded memory, while the run is read or recorded.
 pub(super) struct LongRun {
     /// Retained rows.
     data: RunData,
-    /// For each retained row: its index among all rows, and the number of its stroke.
+    /// For each retained row: its index among all rows.
     places: Vec<usize>,
+    /// For each retained row: the number of its stroke.
     numbers: Vec<u32>,
     /// Number of rows so far.
     count: usize,
-    /// Memory limit of the rows (bytes), and the number of rows it allows at the current row size.
+    /// Memory limit of the rows (bytes).
     memory: usize,
+    /// Number of rows that the memory limit allows at the current row size.
     most: usize,
     /// Length of a time cell (s); `None` while all rows are kept.
     cell: Option<f64>,

@@ -19,7 +19,7 @@ pub struct DecimatedRun {
     pub too_long: Vec<u32>,
     /// Number of peaks of grasp force, as counted by the claim `four-peaks`.
     pub grasp_force_peaks: Option<usize>,
-    /// Number of peaks of torque, as counted by the same claim.
+    /// Number of peaks of torque, as counted by the claim `four-peaks`.
     pub torque_peaks: Option<usize>,
     /// Force limits with the longest stretches above each of them.
     pub(crate) pressed: Vec<Pressed>,

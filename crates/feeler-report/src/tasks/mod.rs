@@ -44,7 +44,8 @@ pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
     }
 }
 
-/// Like [`of`], but also detects from the findings that a cap was screwed by touch.
+/// Like [`of`], but also recognizes from the recorded findings that a cap was screwed until the hand detected the
+/// outcome by touch.
 pub fn of_recording(recording: &Recording) -> &'static dyn TaskReport {
     match is_felt(recording) {
         true => &cap::CapReport,

@@ -8,8 +8,9 @@ const PAPERS_LAW: &str = "tri-axial";
 /// Number of strokes that the paper's claims refer to.
 pub const PAPERS_STROKES: u32 = 4;
 
-/// Number of fingers of the paper's hand, and of elements per fingertip (section II).
+/// Number of fingers of the paper's hand (section II).
 const PAPERS_FINGERS: usize = 2;
+/// Number of elements per fingertip of the paper's hand (section II).
 const PAPERS_ELEMENTS: usize = 41;
 
 /// `true` if the known facts of the hand agree with the paper's hand, for which the bounds of the paper's claims were

@@ -1,4 +1,4 @@
-//! A ROS 2 tactile sensor as the fingertip of a finger.
+//! Uses a ROS 2 tactile sensor as the fingertip of a finger.
 
 use feeler::sensor::forces::TactileFrame;
 use feeler_console::CommandError;

@@ -1,4 +1,4 @@
-//! A ROS 2 robot's joints as those of a rig.
+//! Serves the joints of a ROS 2 robot as the joints of a rig.
 
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler_console::Warnings;
@@ -19,13 +19,14 @@ pub struct RobotRig {
     warnings: Warnings,
     /// Start of the current gap in the joint states, and `true` if it was reported. `None` while joint states arrive.
     lost: Option<(Instant, bool)>,
-    /// Latest failure of a command that is not reported yet, and the time of the last report.
+    /// Latest failure of a command that is not reported yet.
     failure: Option<String>,
+    /// Time of the last report of a failure.
     reported: Option<Instant>,
 }
 
 impl RobotRig {
-    /// Serves the joints of `hand`, and reports when their states are lost and found.
+    /// Serves the joints of `hand`, and reports when joint states stop or resume.
     pub fn new(hand: RosHand, warnings: Warnings) -> Self {
         Self {
             hand,
@@ -37,7 +38,7 @@ impl RobotRig {
         }
     }
 
-    /// Prints a message when joint states are lost or found.
+    /// Prints a message when joint states stop or resume.
     fn tell(&mut self, read: &Result<(), HandError>) {
         let (since, is_told) = self.lost.unwrap_or((Instant::now(), false));
         self.lost = match read {

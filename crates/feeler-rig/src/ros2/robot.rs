@@ -21,7 +21,7 @@ use std::time::Duration;
 
 /// Default name of the node.
 const NODE_NAME: &str = "feeler_rig";
-/// Interval of checks for missing joint states.
+/// Interval between checks for missing joint states.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Serves the robot named in the table `[ros2]` of the session's experiment to the hand, until Ctrl-C. The age of data is judged by
@@ -105,7 +105,7 @@ pub fn serve_robot(
     Ok(Outcome::Done)
 }
 
-/// Creates the hand of the robot.
+/// Creates the [`RosHand`] that drives the robot.
 fn robot_hand(
     node: &mut Node,
     (robot, geometries): (&RosConfig, &[FingerGeometry]),

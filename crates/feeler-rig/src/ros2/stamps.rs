@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 /// paused.
 const LONGEST_BEHIND: f64 = 0.1;
 
-/// Maximum number of clocks in a rig, one per program. Beyond, the oldest is dropped.
+/// Maximum number of clocks in a rig, one per program. If there are more, the oldest is dropped.
 const MAX_CLOCKS: usize = 16;
 
 /// Converter of a run's stamps to ROS time.

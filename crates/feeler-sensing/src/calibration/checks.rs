@@ -16,7 +16,7 @@ pub fn magnitude(loads: &LoadsFile) -> Result<(), CommandError> {
 /// Advice appended to messages about loads that are out of range.
 pub const CONFIRM: &str = " (add the unit to the header, as in f_z [mN], to convert them, or use --confirm-loads to accept them)";
 
-/// Rejects loads (converted by `axes`) whose elements, axes, signs or zeros contradict the images.
+/// Rejects loads (converted by `axes`) whose elements, axes, signs or zero offsets contradict the images.
 pub fn before_fitting(
     loads: &LoadsFile,
     measured: &RecordBuilder,

@@ -130,7 +130,7 @@ struct Job<'a, B: Basis> {
 }
 
 impl<'a, B: Basis> Job<'a, B> {
-    /// Creates the output.
+    /// Creates a job, with its output file if one is requested.
     fn new(
         options: &'a VerifyOptions<'a>,
         calibration: CalibrationOf<B>,

@@ -6,9 +6,11 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 
-/// Width of the columns of metrics and entries.
+/// Width of the column of metrics (characters).
 const METRIC: usize = 18;
+/// Width of the column of entries (characters).
 const ENTRY: usize = 30;
+/// Width of the column of values (characters).
 const VALUE: usize = 28;
 
 /// Describes the numbers of recordings, groups, rows and slips.

@@ -374,7 +374,7 @@ impl Collected {
     }
 
     /// Returns all slips with a known onset, each with the start of the detector's alarm (s) at its cross-validated
-    /// threshold. Also stores both with the scores of whole recordings.
+    /// threshold. Also stores slip and alarm with the score of the recording if whole recordings are scored.
     pub fn alarms(&mut self, detector: usize) -> Vec<(SlipEvent, Option<f64>)> {
         let mut alarms = Vec::new();
         for sequence in &self.sequences {

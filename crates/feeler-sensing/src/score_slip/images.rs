@@ -9,7 +9,7 @@ use feeler::control::grasp_slip::{CoarseImage, ImageLoss};
 use feeler_lab::grasps::{DETECTORS, Detector, SlipEvent};
 use std::ops::Range;
 
-/// Interval between the images of a recording with which others are compared (s).
+/// Interval between the images of a recording that serve as references for other recordings (s).
 const INTERVAL: f64 = 0.48;
 /// Duration at the start of a recording that is ignored (s), because cameras may deliver images of the previous
 /// recording first.

@@ -11,8 +11,9 @@ use std::path::Path;
 
 /// Names of the column that identifies the recording; by default the first column.
 const NAMES: [&str; 3] = ["recording", "sequence", "video"];
-/// Names of the label column and the frame column.
+/// Name of the label column.
 const SLIP: &str = "slip";
+/// Name of the frame column.
 const FRAME: &str = "frame";
 
 /// Slip label of a recording.

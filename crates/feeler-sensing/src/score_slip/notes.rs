@@ -14,7 +14,7 @@ struct Note {
     kind: String,
     /// The first notes.
     said: Vec<String>,
-    /// Number of further notes.
+    /// Number of notes that are counted but not printed.
     more: usize,
 }
 

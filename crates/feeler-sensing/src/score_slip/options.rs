@@ -17,7 +17,7 @@ pub struct SlipScoreOptions {
     pub seed: u64,
     /// Recordings to score.
     pub recorded: RecordedOptions,
-    /// Folder of the page.
+    /// Output folder of the report.
     pub out: PathBuf,
     /// `true` to replace existing outputs.
     pub force: bool,

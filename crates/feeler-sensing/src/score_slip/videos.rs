@@ -15,7 +15,7 @@ use feeler_lab::grasps::{ContactReference, GraspFrame, GraspRecording, Picture};
 use feeler_sources::{Ffmpeg, VideoFile};
 use glam::DVec2;
 
-/// Rate at which markers are located (Hz): several times within the half second after which a loss is reported.
+/// Rate at which markers are located (Hz): five times within the 0.5 s after which a loss is reported.
 const LOOKS: f64 = 10.0;
 
 /// Reader of videos.

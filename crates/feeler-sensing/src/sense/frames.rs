@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// Maximum time to wait for a frame before the interrupt flag is checked.
 pub const WAIT: Duration = Duration::from_millis(50);
 
-/// Converts all frames of `source` to readings, or those until `interrupted`.
+/// Converts the frames of `source` to readings until it ends or `interrupted` is set.
 pub fn sense(
     options: &SenseOptions,
     source: &Source,

@@ -27,7 +27,7 @@ pub enum Track {
     Single,
 }
 
-/// Tracks the markers of the layout through all images of `source`, or until `interrupted`.
+/// Tracks the markers of the layout in the images of `source` until it ends or `interrupted` is set.
 pub fn sense(
     options: &SenseOptions,
     track: Track,

@@ -1,4 +1,4 @@
-//! Serial ports of Windows and macOS.
+//! Lists serial ports on Windows and macOS.
 
 use crate::ListedPort;
 use serialport::SerialPortType;

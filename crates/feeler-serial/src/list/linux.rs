@@ -1,4 +1,4 @@
-//! Serial ports of Linux, found in sysfs.
+//! Lists serial ports on Linux, found in sysfs.
 
 use crate::ListedPort;
 use std::fs;

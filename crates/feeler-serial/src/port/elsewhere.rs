@@ -1,4 +1,4 @@
-//! Serial ports of Windows and macOS.
+//! Serial port on Windows and macOS.
 
 use serialport::ClearBuffer;
 use std::io;
@@ -52,7 +52,7 @@ impl SerialPort {
         self.port.write_all(bytes)
     }
 
-    /// Reads available bytes into `bytes`; waits for the first at most `timeout`. Returns the number of bytes, 0 on
+    /// Reads available bytes into `bytes`; waits up to `timeout` for the first byte. Returns the number of bytes, 0 on
     /// timeout.
     ///
     /// # Errors

@@ -1,4 +1,4 @@
-//! Serial ports of Linux.
+//! Serial port on Linux.
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags};
@@ -75,7 +75,7 @@ impl SerialPort {
         Ok(())
     }
 
-    /// Reads available bytes into `bytes`; waits for the first at most `timeout`. Returns the number of bytes, 0 on
+    /// Reads available bytes into `bytes`; waits up to `timeout` for the first byte. Returns the number of bytes, 0 on
     /// timeout.
     ///
     /// # Errors

@@ -96,12 +96,12 @@ pub fn load_simulated(
     Ok(records)
 }
 
-/// Loads `fingertip` in simulation step by step and passes each image to `take`, with the loads on the elements.
+/// Loads `fingertip` in simulation step by step, and passes each image and the loads on the elements to `take`.
 ///
-/// All elements are loaded at the same time, each with its own loads in its own order.
+/// All elements are loaded at the same time; each has separate loads in a separate order.
 ///
 /// # Errors
-/// If a configuration is invalid, or an error of `take`.
+/// If a configuration is invalid, or `take` fails.
 pub fn take_pictures<E: From<CalibrationBenchError>>(
     fingertip: &FingertipConfig,
     optics: &OpticsConfig,

@@ -10,11 +10,11 @@ use crate::world::state::{FingerState, State};
 use multiversion::multiversion;
 use std::f64::consts::TAU;
 
-/// Maximum number of rounds of turning and slipping. A slip reduces the torque on the object, so usually the first or
-/// second round is the last; the bound limits the duration of a step.
+/// Maximum number of iterations that balance the torques and let feelers slip. A slip reduces the torque on the object,
+/// so one or two iterations usually suffice; the maximum limits the duration of a step.
 const MAX_BALANCE_ROUNDS: usize = 8;
 
-/// Maximum number of rounds of shifting and turning. Each affects the balance of the other only slightly.
+/// Maximum number of iterations that shift and turn the object. Each affects the balance of the other only slightly.
 const MAX_GIVING_ROUNDS: usize = 8;
 
 /// Maximum number of Newton steps of a shift along both axes.

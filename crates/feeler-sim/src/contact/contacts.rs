@@ -59,8 +59,9 @@ pub(crate) struct Block {
     pub element: [usize; BLOCK],
     /// Axes of the feelers in the fingertip frame `T`.
     pub axis: Vectors,
-    /// Positions and normals of the anchors.
+    /// Positions of the anchors.
     pub anchor: Vectors,
+    /// Normals of the anchors.
     normal: Vectors,
     /// See [`Contact::rolled`].
     pub rolled: Column,
@@ -111,7 +112,7 @@ pub(crate) struct Share {
 }
 
 impl Share {
-    /// Used part of block number `block` if there are `count` contacts in total.
+    /// Returns the used part of block number `block` of `count` contacts in total.
     fn of(count: usize, block: usize) -> Self {
         let count = (count - BLOCK * block).min(BLOCK);
         Self {

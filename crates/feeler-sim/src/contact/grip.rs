@@ -1,4 +1,5 @@
-//! Load of the feelers on an object along a degree of freedom, and its derivative by the object's motion.
+//! Load (force or torque) of the feelers on an object along a degree of freedom, and its derivative with respect to the
+//! displacement of the object.
 
 use super::columnar_feeler::{Anchor, Tip, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share};
@@ -95,7 +96,7 @@ impl Grips {
 }
 
 impl Fingertip<'_> {
-    /// Loads of identical pure springs, vectorized.
+    /// Computes the loads of a block of feelers that are identical pure springs; vectorized.
     #[inline(always)]
     #[expect(
         clippy::needless_range_loop,
@@ -224,8 +225,8 @@ fn contact_grip<const SLIPS: bool>(
     (grip, holds)
 }
 
-/// Limited force on the object of a feeler that slips or pulls (N), and its decrease, for the sticking `force` and its
-/// decrease `force_falls`.
+/// Force on the object (N) by a feeler whose contact slips or is under tension, and its decrease per motion of the
+/// object. `force` and `force_falls` are those of a sticking contact.
 #[inline(always)]
 fn at_limit(force: DVec3, force_falls: DVec3, normal: DVec3, friction: Friction) -> (DVec3, DVec3) {
     let (normal_force, shear) = split(force, normal);

@@ -116,7 +116,8 @@ pub(crate) fn settle(
 }
 
 impl FingerContacts<'_> {
-    /// Rolls a block's tips and computes the trial forces of contacts that stick.
+    /// Rolls the tips of a block on the object. If all feelers are identical pure springs, also computes the trial
+    /// forces that the contacts exert if they stick, and the contacts that slip.
     #[inline(always)]
     fn hold(&self, share: Share, block: &mut Block) -> Held {
         let mut held = Held {
@@ -155,8 +156,8 @@ impl FingerContacts<'_> {
         held
     }
 
-    /// Return mapping of a block's slipping contacts together, with a mask of the contacts that it resolved. `None`
-    /// unless several slip, on a cylinder.
+    /// Return mapping of the slipping contacts of a block together. Also returns a mask of the contacts that it
+    /// resolved. `None` unless several contacts slip on a cylinder.
     #[inline(always)]
     fn slip_together(&self, share: Share, block: &Block, held: &Held) -> Option<(Slips, Mask)> {
         if held.slips.iter().filter(|slips| **slips).count() < 2 {

@@ -34,8 +34,9 @@ pub(crate) struct Slips {
     shear: Column,
     bend: Column,
     rebuilt: Column,
-    /// Slip distance (m), and energy dissipated by friction (J).
+    /// Slip distance (m).
     way: Column,
+    /// Energy dissipated by friction (J).
     work: Column,
 }
 

@@ -54,8 +54,9 @@ impl HolderConfig {
 /// A spring with play, linear (m, N) or torsional (rad, N·m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaySpring {
-    /// Stiffness beyond the play, and its reciprocal.
+    /// Stiffness beyond the play.
     stiffness: f64,
+    /// Reciprocal of the stiffness.
     compliance: f64,
     /// Free deflection to either side.
     play: f64,

@@ -75,7 +75,7 @@ impl Hinge {
         }
     }
 
-    /// Creates a cap's thread on a bottle on the torque sensor.
+    /// Creates the thread of a cap whose bottle is mounted on the torque sensor.
     pub fn on_thread(thread: &ThreadConfig) -> Self {
         Self {
             thread: thread.clone(),

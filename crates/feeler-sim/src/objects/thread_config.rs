@@ -11,7 +11,7 @@ pub struct ThreadConfig {
     pub running_torque: f64,
     /// Angle by which the cap turns before it reaches its seat (rad). Negative if it starts tightened onto its seat.
     pub seat_angle: f64,
-    /// Increase of the resisting torque per angle on the seat (N·m/rad).
+    /// Increase of the resisting torque per radian that the cap turns beyond its seat (N·m/rad).
     pub seat_stiffness: f64,
     /// Ratio of the breakaway torque to the torque that keeps the cap turning, at least 1.
     pub static_factor: f64,
@@ -32,7 +32,7 @@ pub enum ThreadFault {
     CrossThreaded {
         /// Angle at which the cap starts to jam (rad).
         angle: f64,
-        /// Increase of the resisting torque per angle from there (N·m/rad); lower than that of a seat.
+        /// Increase of the resisting torque per radian beyond this angle (N·m/rad); lower than that of a seat.
         stiffness: f64,
     },
 }
@@ -100,7 +100,8 @@ impl ThreadConfig {
         }
     }
 
-    /// Angles (rad) at which the seat and a jam begin, and the increase of the torque from there (N·m/rad).
+    /// Angles (rad) at which the seat and a jam begin, each with the increase of the torque per radian beyond it
+    /// (N·m/rad).
     fn stops(&self) -> [(f64, f64); 2] {
         let seat = (self.seat_angle, self.seat_stiffness);
         match self.fault {

@@ -21,7 +21,8 @@ pub struct PictureNoise {
 const BYTE_SUM_MEAN: i16 = 510;
 /// Standard deviation of the sum of four bytes, sqrt(4 (256² - 1) / 12).
 pub const BYTE_SUM_DEVIATION: f32 = 147.801_22;
-/// Multipliers of the network's rounds. With three rounds, the spectrum of an image has lines; with four it is white.
+/// Multipliers of the rounds of the Feistel network. With three rounds, the spectrum of the noise has lines; with four,
+/// it is white.
 const ROUNDS: [u16; 4] = [0x9e37, 0x85eb, 0xc2b3, 0x27d5];
 
 impl PictureNoise {

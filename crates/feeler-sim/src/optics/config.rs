@@ -4,9 +4,10 @@ use super::error::{OpticsError, in_range};
 use super::markers::MarkerConfig;
 use serde::{Deserialize, Serialize};
 
-/// Maximum of `read_noise` (gray levels). With that of `shot_noise`, the standard deviation in the brightest pixel is
-/// 36 gray levels, the most that the renderer's 16-bit integers can represent.
+/// Maximum of `read_noise` (gray levels). Together with the maximum of `shot_noise`, it gives a standard deviation of
+/// 36 gray levels in the brightest pixel, the most that the renderer's 16-bit integers can represent.
 const MAX_READ_NOISE: f64 = 30.0;
+/// Maximum of `shot_noise` (gray levels).
 const MAX_SHOT_NOISE: f64 = 1.2;
 
 /// Rubber, light and camera of a simulated fingertip.

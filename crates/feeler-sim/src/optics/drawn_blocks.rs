@@ -8,7 +8,7 @@ use std::ops::Range;
 pub(crate) struct DrawnBlocks {
     /// Contiguous runs of blocks, row by row.
     runs: Vec<Range<usize>>,
-    /// Index in `runs` of the first run of each row, and the number of runs.
+    /// Index in `runs` of the first run of each row, followed by the total number of runs.
     rows: Vec<usize>,
 }
 
@@ -21,7 +21,7 @@ impl DrawnBlocks {
         }
     }
 
-    /// Selects the blocks of such an image that contain one of `pixels` (column, row).
+    /// Selects the blocks of an image with `height` rows of `width` pixels that contain one of `pixels` (column, row).
     pub fn with_pixels(
         width: usize,
         height: usize,

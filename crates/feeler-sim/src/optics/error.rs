@@ -34,13 +34,13 @@ pub enum OpticsError {
         "expected an image of {expected_width}x{expected_height} px, got {width}x{height} px in {pixels} values"
     )]
     PictureSize {
-        /// Columns of the camera (px).
+        /// Width of the camera's images (px).
         expected_width: usize,
-        /// Rows of the camera (px).
+        /// Height of the camera's images (px).
         expected_height: usize,
-        /// Columns of the image (px).
+        /// Width of the image (px).
         width: usize,
-        /// Rows of the image (px).
+        /// Height of the image (px).
         height: usize,
         /// Number of gray values in the image.
         pixels: usize,

@@ -29,7 +29,7 @@ const DEEP: f64 = 300.0;
 struct Compliance {
     /// Tangential displacement parallel to a tangential force, at a point in the direction of the force.
     along: f64,
-    /// Tangential displacement parallel to a tangential force, at a point beside it.
+    /// Tangential displacement parallel to a tangential force, at a point perpendicular to the direction of the force.
     across: f64,
     /// Tangential displacement away from a normal force.
     outward: f64,

@@ -47,9 +47,10 @@ pub struct OpticsModel {
     pub(crate) scales: Vec<(f64, f64)>,
     /// Coordinates x, y and z in `T` of the dome's point at each pixel (m); far away for pixels without a point.
     pub(crate) dome_points: [Vec<f32>; 3],
-    /// Relative loss of light due to vignetting, by column (padded to whole noise blocks) and by row. A pixel's loss is
-    /// the sum of both.
+    /// Relative loss of light of each column due to vignetting, padded to whole noise blocks. The loss of a pixel is
+    /// the sum of those of its column and its row.
     pub(crate) light_lost_by_column: Vec<f32>,
+    /// Relative loss of light of each row due to vignetting.
     pub(crate) light_lost_by_row: Vec<f32>,
     pub(crate) drawn: DrawnBlocks,
     /// Light of each unloaded element. Empty with markers, as they influence each other.

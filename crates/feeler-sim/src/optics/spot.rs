@@ -1,4 +1,4 @@
-//! Spots of a fingertip.
+//! Spots in the image of a fingertip: contacts of cones, or markers.
 
 use glam::DVec2;
 
@@ -11,6 +11,6 @@ pub struct Spot {
     pub centre: DVec2,
     /// Radius of the contact or marker (m).
     pub radius: f64,
-    /// Contrast to the dome relative to the configured one.
+    /// Contrast with the dome, relative to the configured contrast.
     pub contrast: f64,
 }

@@ -29,16 +29,18 @@ enum Part {
 
 /// Linear change from 0 to 1.
 struct Ramp {
-    /// Start and duration of the change (s).
+    /// Start of the change (s).
     from: f64,
+    /// Duration of the change (s).
     over: f64,
 }
 
 /// Linear change of a mass.
 struct MassChange {
     ramp: Ramp,
-    /// Mass before and after the change (kg).
+    /// Mass before the change (kg).
     before: f64,
+    /// Mass after the change (kg).
     after: f64,
 }
 
@@ -199,7 +201,7 @@ fn stall(finger: Option<&mut FingerState>, joint: usize, stalled: bool) {
     }
 }
 
-/// Changes the gain and offset (rad) of a joint's encoder, as a function of both and of the joint's angle (rad).
+/// Sets gain and offset (rad) of a joint's encoder to `to` of the present gain, offset and joint angle (rad).
 fn read_wrong(
     finger: Option<&mut FingerState>,
     joint: usize,

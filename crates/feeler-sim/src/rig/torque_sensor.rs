@@ -83,7 +83,8 @@ impl TorqueSensorConfig {
         );
     }
 
-    /// Gain of the low-pass filter for a step of `step` seconds: fraction of the difference to the input.
+    /// Gain of the low-pass filter for a step of `step` seconds: the fraction of the difference between input and
+    /// output by which the output changes.
     pub fn low_pass_gain(&self, step: f64) -> f64 {
         1.0 - libm::exp(-std::f64::consts::TAU * self.cutoff_frequency * step)
     }

@@ -14,8 +14,9 @@ use std::path::Path;
 const MAX_BYTES: u64 = 256 << 20;
 /// Maximum number of triangles.
 const MAX_TRIANGLES: usize = 1_000_000;
-/// Size of a binary STL's header, and of each of its triangles (bytes).
+/// Size of the header of a binary STL, including the number of triangles (bytes).
 const STL_HEADER: usize = 84;
+/// Size of a triangle of a binary STL (bytes).
 const STL_TRIANGLE: usize = 50;
 
 /// A closed, consistently oriented surface.

@@ -44,7 +44,8 @@ pub struct WorldModel {
     pub relaxes: bool,
     /// Fraction of a joint's velocity error that remains after one step.
     pub servo_remaining_error: f64,
-    /// Gain of the torque sensor's low-pass filter for one step: fraction of the difference to the input.
+    /// Gain of the torque sensor's low-pass filter for one step: the fraction of the difference between input and
+    /// output by which the output changes.
     pub torque_low_pass_gain: f64,
 }
 
@@ -140,8 +141,8 @@ impl Finger {
         self.springs.as_ref().unwrap_or(&self.feelers[element])
     }
 
-    /// Undeformed tip of `element`, for the pose `seen` of the fingertip in some frame and the creep displacements `sets`
-    /// of the feelers.
+    /// Undeformed tip of `element` in the frame in which the fingertip has the pose `seen`. `sets` are the creep
+    /// displacements of all feelers in the fingertip frame `T` (m).
     pub(crate) fn undeformed(&self, sets: &[DVec3], seen: &Pose, element: usize) -> Tip {
         let relaxes = self.feeler(element).relaxation.is_some();
         let set = if relaxes {

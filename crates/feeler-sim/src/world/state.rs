@@ -47,7 +47,7 @@ pub struct ObjectState {
     pub mass: f64,
     /// Factor on the friction coefficients of feelers on the object.
     pub friction_factor: f64,
-    /// Number of motions by its hinge, thread or support.
+    /// Number of times that the object was moved by its hinge, thread or support.
     pub(crate) moves: u64,
     /// Changes of angle and twist in the last step (rad); initial guess for the next step.
     pub(crate) last_turn: (f64, f64),
@@ -68,7 +68,7 @@ pub struct FingerState {
     pub contacts: Contacts,
     /// Pose of the fingertip in each object's frame, for the object's current pose.
     pub(crate) seen: Vec<Pose>,
-    /// Rotation of the fingertip in each object's frame for which the anchors have already been rolled.
+    /// Rotation of the fingertip in each object's frame up to which the anchors have been updated for rolling.
     pub(crate) rolled: Vec<DMat3>,
     /// Creep displacement (*set*) of each feeler that relaxes, in the fingertip frame `T` (m).
     pub sets: Vec<DVec3>,
@@ -105,7 +105,7 @@ pub(crate) struct Watch {
 }
 
 impl FingerState {
-    /// Returns `true` if any of its feelers touches `object`.
+    /// Returns `true` if any feeler of the finger touches `object`.
     #[inline(always)]
     pub(crate) fn touches(&self, object: usize) -> bool {
         !self.contacts.on(object).is_empty()
@@ -185,7 +185,7 @@ impl ObjectState {
         }
     }
 
-    /// Moves the object to `pose` by its hinge, thread or support, and counts the motion.
+    /// Sets the pose of an object that was moved by its hinge, thread or support, and counts the motion.
     pub(crate) fn move_to(&mut self, pose: Pose) {
         self.moves += u64::from(pose != self.pose);
         self.pose = pose;

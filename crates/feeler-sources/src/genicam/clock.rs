@@ -21,11 +21,13 @@ pub(super) struct DeviceClock {
 
 #[derive(Debug)]
 struct Anchor {
-    /// Device time of the reference image and of the latest image, ns.
+    /// Device time of the reference image, ns.
     origin: u64,
+    /// Device time of the latest image, ns.
     newest: u64,
-    /// Smallest offset in this window and in the previous one, s.
+    /// Smallest offset in the current window, s.
     offset: f64,
+    /// Smallest offset in the previous window, s.
     before: f64,
     /// Start of this window, s.
     began: f64,

@@ -30,7 +30,7 @@ pub enum GenicamError {
         camera: String,
         /// The rejected setting.
         what: String,
-        /// Missing feature or valid range.
+        /// Reason why the setting is rejected, such as a missing feature or the valid range.
         reason: String,
     },
     /// An operation on the camera failed.

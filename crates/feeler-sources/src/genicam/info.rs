@@ -32,7 +32,7 @@ pub struct GenicamInfo {
 /// Capabilities of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Abilities {
-    /// Columns and rows of the sensor, px.
+    /// Width and height of the sensor, px.
     pub sensor_size: [i32; 2],
     /// Column, row, width and height of the current region, px.
     pub region: [i32; 4],

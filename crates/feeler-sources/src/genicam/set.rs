@@ -139,7 +139,7 @@ fn trigger(device: &Device, settings: &CameraSettings) -> Result<(), String> {
     device.set_trigger(source)
 }
 
-/// Sets the camera's frame rate nearest to `rate` (Hz).
+/// Sets the frame rate in the camera's range that is nearest to `rate` (Hz).
 fn rate(device: &Device, rate: f64) -> Result<(), String> {
     match device.bounds(Quantity::FrameRate)? {
         // The bounds may be reversed because of a long exposure.

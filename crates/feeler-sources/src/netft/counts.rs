@@ -7,8 +7,9 @@ use std::time::{Duration, Instant};
 
 /// Path of the XML page.
 const PAGE: &str = "/netftapi2.xml";
-/// Maximum duration of the request, and maximum size of the page (bytes), which is usually a few thousand.
+/// Maximum duration of the request.
 const TIME: Duration = Duration::from_secs(5);
+/// Maximum size of the page (bytes). Pages usually have a few thousand.
 const LONGEST: usize = 1 << 18;
 
 /// Force units that a sensor may be configured to, with the name on its page and the value in N.
@@ -54,7 +55,7 @@ pub enum CountsError {
     Field {
         /// Name of the element.
         name: &'static str,
-        /// Value found; empty if the element is missing.
+        /// Actual value; empty if the element is missing.
         value: String,
         /// Expected value.
         expected: String,

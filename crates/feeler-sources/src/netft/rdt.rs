@@ -5,8 +5,9 @@ pub const RDT_PORT: u16 = 49152;
 
 /// First bytes of a request.
 const HEADER: u16 = 0x1234;
-/// Number of bytes of a request and of a record.
+/// Length of a request (bytes).
 const REQUEST: usize = 8;
+/// Length of a record (bytes).
 const RECORD: usize = 36;
 /// Status bit that indicates a fault.
 const ERROR: u32 = 1 << 31;
@@ -45,13 +46,13 @@ pub enum RdtError {
     /// A request has the wrong header.
     #[error("expected a request with header {HEADER:#06x}, got {actual:#06x}")]
     Header {
-        /// Header found.
+        /// Received header.
         actual: u16,
     },
     /// A request has an unknown command.
     #[error("expected command 0 (stop), 2 (stream) or 0x42 (bias), got {actual:#06x}")]
     Command {
-        /// Command found.
+        /// Received command.
         actual: u16,
     },
 }

@@ -16,8 +16,9 @@ pub struct SkinCounters {
     reconnections: AtomicU64,
     /// Number of readings without forces, because no frame arrived in time.
     missing: AtomicU64,
-    /// Stamps of the first and the latest frame, s, as bits of `f64`.
+    /// Stamp of the first frame, s, as bits of `f64`.
     first: AtomicU64,
+    /// Stamp of the latest frame, s, as bits of `f64`.
     latest: AtomicU64,
 }
 

@@ -29,7 +29,7 @@ pub enum SkinError {
     /// A skin cannot be emulated.
     #[error("failed to emulate a skin{}: {source}", shown(link))]
     Emulator {
-        /// Link to its port; empty if none was requested.
+        /// Requested symbolic link to the port; empty if none was requested.
         link: PathBuf,
         /// Error of the operating system.
         source: io::Error,

@@ -23,7 +23,7 @@ pub struct SimulatedSkin {
     pressed: Vec<DVec3>,
     /// Values of each taxel in a uniform field of 1 µT along x, y and z, in the taxel's columns.
     fields: Vec<[DVec3; 3]>,
-    /// Press: value of the nearest taxel, counts.
+    /// Strength of the press: its contribution to the reading of the nearest taxel, counts.
     pub press: f64,
     /// Uniform field, µT.
     pub field: DVec3,

@@ -15,8 +15,9 @@ const VIDEO_CAPTURE: u32 = 1;
 const MMAP: u32 = 1;
 /// `V4L2_BUF_FLAG_QUEUED`, `V4L2_BUF_FLAG_DONE`: the driver owns the buffer.
 const OF_THE_DRIVER: u32 = 0x2 | 0x4;
-/// `V4L2_BUF_FLAG_TIMESTAMP_MASK`, `V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC`
+/// `V4L2_BUF_FLAG_TIMESTAMP_MASK`.
 const CLOCK: u32 = 0xe000;
+/// `V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC`.
 const MONOTONIC: u32 = 0x2000;
 /// Maximum number of buffers of a stream (`VIDEO_MAX_FRAME`).
 const MOST: u32 = 32;

@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Candidate {
     pub(super) coding: Coding,
-    /// Columns and rows, px.
+    /// Width and height, px.
     pub(super) size: (usize, usize),
     /// Highest frame rate, Hz, if the driver reports it.
     pub(super) rate: Option<f64>,

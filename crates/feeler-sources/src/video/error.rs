@@ -24,9 +24,9 @@ pub enum VideoError {
     Format {
         /// Path of the device.
         device: PathBuf,
-        /// Requested number of columns, px.
+        /// Requested width, px.
         width: usize,
-        /// Requested number of rows, px.
+        /// Requested height, px.
         height: usize,
         /// Sizes and formats that the camera offers instead.
         offered: String,
@@ -38,7 +38,7 @@ pub enum VideoError {
         device: PathBuf,
         /// The rejected setting.
         what: String,
-        /// Missing control or valid range.
+        /// Reason why the setting is rejected, such as a missing control or the valid range.
         reason: String,
     },
 }

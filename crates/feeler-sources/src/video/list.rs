@@ -45,9 +45,9 @@ pub struct VideoFormat {
 /// A size, or a range of sizes, of a camera's images.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VideoSize {
-    /// Minimum and maximum number of columns, px.
+    /// Minimum and maximum width, px.
     pub columns: [u32; 2],
-    /// Minimum and maximum number of rows, px.
+    /// Minimum and maximum height, px.
     pub rows: [u32; 2],
     /// Frame rates at the largest size, Hz, in increasing order: all rates, or the ends of their range.
     pub rates: Vec<f64>,

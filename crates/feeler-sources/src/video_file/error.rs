@@ -53,9 +53,9 @@ pub enum VideoFileError {
     FrameSize {
         /// Path of the file.
         path: PathBuf,
-        /// Columns, px.
+        /// Width, px.
         width: usize,
-        /// Rows, px.
+        /// Height, px.
         height: usize,
     },
     /// A frame cannot be decoded.

@@ -98,7 +98,7 @@ fn sync_option(version: &str) -> &'static str {
 pub struct FrameInfo {
     /// Presentation time, s.
     pub stamp: Option<f64>,
-    /// Columns and rows, px.
+    /// Width and height, px.
     pub size: (usize, usize),
     /// Nominal frame rate of the stream, Hz.
     pub rate: Option<f64>,
@@ -130,7 +130,7 @@ pub fn listen(messages: impl Read, frames: &Sender<FrameInfo>) -> Option<String>
 /// State collected from the messages.
 #[derive(Default)]
 struct Heard {
-    /// Numerator and denominator, s.
+    /// Numerator and denominator of the unit of time stamps, s.
     time_base: Option<(f64, f64)>,
     rate: Option<f64>,
     complaint: Option<String>,

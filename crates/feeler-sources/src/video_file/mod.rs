@@ -116,7 +116,7 @@ impl VideoFile {
         self
     }
 
-    /// Columns and rows of the frames, px.
+    /// Width and height of the frames, px.
     pub fn size(&self) -> (usize, usize) {
         self.size
     }

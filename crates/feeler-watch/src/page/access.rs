@@ -41,7 +41,7 @@ pub enum Refusal {
 /// The requested resource.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
-    /// The page.
+    /// The page itself.
     Page,
     /// The page's WebSocket.
     Socket,

@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::Arc;
 
-/// Name under which the live page stops the hand.
+/// Sender name of a stop by the live page.
 const BY: &str = "the live page";
 
 /// Live page of a simulated run.

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Name under which the page stops the hand.
+/// Sender name of a stop by the page.
 const BY: &str = "the page of feeler view";
 /// Interval at which received messages and orders are processed.
 const INTERVAL: Duration = Duration::from_millis(10);

@@ -48,7 +48,7 @@ pub enum Subject {
 pub struct Live {
     /// Exchange with the hand.
     pub feed: Arc<Feed>,
-    /// Name in which orders from the pages are sent.
+    /// Sender name of orders from the pages.
     pub by: &'static str,
     /// Latest order from the pages.
     pub told: Mutex<Option<PendingOrder>>,

@@ -1,4 +1,4 @@
-//! Actions of the user by keys.
+//! Actions that the user triggers by keys.
 
 use ratatui::crossterm::event::{Event, KeyCode, KeyEventKind, KeyModifiers};
 

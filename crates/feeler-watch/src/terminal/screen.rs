@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Name under which the hand is stopped by a key.
+/// Sender name of a stop that the user triggers by a key.
 const BY: &str = "the keyboard";
 
 /// Terminal view of a run.

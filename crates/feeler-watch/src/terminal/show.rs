@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Name in which orders are sent on key presses.
+/// Sender name of orders that the user triggers by keys.
 const BY: &str = "the keyboard of feeler top";
 /// Interval at which received data and keys are checked.
 const INTERVAL: Duration = Duration::from_millis(10);

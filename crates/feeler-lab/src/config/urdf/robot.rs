@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 /// Magnitude of both limits of a continuous joint (rad).
 const UNLIMITED: f64 = std::f64::consts::TAU;
-/// Maximum speed of a joint if the URDF gives none (rad/s or m/s).
+/// Maximum speed of a joint if the URDF specifies none (rad/s or m/s).
 const UNKNOWN_SPEED: f64 = 1.0;
 
 /// Independent joints and frames of a finger.

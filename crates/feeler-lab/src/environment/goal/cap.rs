@@ -19,7 +19,7 @@ use feeler_report::claims::DAMAGE_FORCE;
 use feeler_report::measures::TIGHT;
 use feeler_sim::objects::Motion;
 
-/// Reward per radian towards the seat (mN·m).
+/// Reward per radian by which the cap turns before it reaches its seat (mN·m).
 const TURN: f64 = 1.0;
 /// Cost per newton above the limit and per second (mN·m).
 const OVERLOAD: f64 = 10.0;
@@ -31,7 +31,7 @@ const SLIP: f64 = 50.0;
 pub(super) struct CapGoal {
     /// Compression F_z above which an element is overloaded (N).
     limit: f64,
-    /// Torque from which the cap is tight (N·m). `None` if the number of strokes is fixed.
+    /// Torque at which the cap counts as tight (N·m). `None` if the number of strokes is fixed.
     tight: Option<f64>,
     /// Angle at which the cap meets its seat (rad).
     seat: f64,

@@ -36,15 +36,17 @@ pub(super) struct CarryGoal {
     /// Direction in which each finger presses, a unit vector in W.
     approaches: Vec<DVec3>,
     crush_force: f64,
-    /// Index of the object, and its initial pose.
+    /// Index of the carried object.
     object: usize,
+    /// Initial pose of the carried object.
     start: Option<Pose>,
     /// Index of the next waypoint.
     next: usize,
     /// Time for which the object has been at the next waypoint (s).
     held: f64,
-    /// Displacement of the object in W (m), and remaining length of the path (m).
+    /// Displacement of the carried object in W (m).
     moved: DVec3,
+    /// Remaining length of the path (m).
     left: f64,
     /// Largest force of any finger on the object (N).
     pressing: f64,

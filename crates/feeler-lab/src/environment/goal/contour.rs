@@ -28,7 +28,7 @@ const MAX_AT_ONCE: f64 = 0.05;
 /// The goal of tracing an outline, with its state in the episode.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ContourGoal {
-    /// The object and the height of the cached outline.
+    /// Object of the cached outline, and height of the outline (m).
     of: Option<(ObjectConfig, f64)>,
     centre: DVec2,
     parts: Vec<Part>,
@@ -104,7 +104,8 @@ impl ContourGoal {
         Some((part.min(self.parts.len() - 1), force.truncate().length()))
     }
 
-    /// Marks the parts from `from` to `to` as traced, the shorter way round. Returns the fraction that is newly traced.
+    /// Marks the parts from `from` to `to` as traced, in the shorter direction. Returns the fraction that is newly
+    /// traced.
     fn feel(&mut self, from: usize, to: usize) -> f64 {
         let count = self.parts.len();
         let (ahead, back) = ((to + count - from) % count, (from + count - to) % count);

@@ -18,28 +18,33 @@ use glam::DVec3;
 const PRESSING: f64 = 0.1;
 /// Cost of dropping the object (N·s).
 const DROPPED: f64 = 20.0;
-/// Height above its initial position from which the object counts as in the air (m).
+/// Height above the table above which the object counts as in the air (m).
 const IN_AIR: f64 = 3e-4;
-/// Height from which losing the object counts as dropping it (m), and height to which it must be lifted (m).
+/// Height above the table above which losing the object counts as dropping it (m).
 const DROP: f64 = 4e-3;
+/// Height above the table to which the object must be lifted (m).
 const LIFTED: f64 = 0.02;
 
 /// The goal of holding an object, with its state in the episode.
 #[derive(Debug, Clone, Default)]
 pub(super) struct GripGoal {
     approaches: Vec<DVec3>,
-    /// Indices of the object and of the fixed object under it, and the initial difference of their heights (m).
+    /// Index of the held object.
     object: usize,
+    /// Index of the fixed object under the held object.
     table: usize,
+    /// Initial difference between the heights of both objects (m).
     standing: f64,
-    /// Height above the table (m), and the largest so far.
+    /// Height of the object above the table (m).
     height: f64,
+    /// Maximum height of the object so far (m).
     highest: f64,
     /// Sum of the fingers' pressing forces (N).
     pressing: f64,
     touches: bool,
-    /// Weight times time in the air, and pressing force times time (N·s).
+    /// Time integral of the object's weight while it is in the air (N·s).
     carried: f64,
+    /// Time integral of the fingers' pressing forces (N·s).
     pressed: f64,
 }
 

@@ -25,7 +25,7 @@ pub struct BusRig {
     positions: Vec<f64>,
     stop: HandCommand,
     time: f64,
-    /// Simulated sensors of the world behind emulated servos.
+    /// Simulated sensors of the world that emulated servos move. `None` for real servos.
     sensing: Option<ServedSensing>,
 }
 
@@ -56,8 +56,8 @@ impl BusRig {
         Ok(rig)
     }
 
-    /// Like [`Self::open`], but on an emulated bus, and with the simulated sensors of the world behind it. Also
-    /// returns the bus, which must live as long as the rig.
+    /// Like [`Self::open`], but on an emulated bus whose servos move the simulated world, and with the simulated
+    /// sensors of this world. Also returns the bus, which must live as long as the rig.
     ///
     /// # Errors
     /// If a part of the experiment is invalid, or the system has no pseudo-terminal.

@@ -1,5 +1,5 @@
-//! Simulated runs whose hand consists of servos on an emulated bus, with the simulated world behind the servos, in
-//! real time or in lockstep with the run.
+//! Simulated runs whose hand consists of servos on an emulated bus. The servos move the simulated world, in real time
+//! or in lockstep with the run.
 
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, Session, fingers_at_home};
@@ -37,7 +37,7 @@ pub enum DrivenError {
     Period(#[from] PaceError),
 }
 
-/// The fingers of a simulated world as the plant behind emulated servos.
+/// Plant that emulated servos move: the fingers of a simulated world.
 struct WorldPlant {
     rig: SimRig,
     fingers: Vec<FingerDrivesConfig>,

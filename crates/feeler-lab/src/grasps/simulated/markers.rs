@@ -7,9 +7,9 @@ use feeler_sim::random::normal;
 use glam::{DMat3, DVec2, DVec3};
 use rand_pcg::Pcg64;
 
-/// Width and height of the image (px), and width of the field of view (m): those of GelSight Mini images at a quarter
-/// of the resolution.
+/// Width and height of the image (px): those of GelSight Mini images at a quarter of the resolution.
 pub const PICTURE: (usize, usize) = (320, 240);
+/// Width of the field of view (m), that of the GelSight Mini.
 const FIELD: f64 = 0.0186;
 const PX_PER_M: f64 = PICTURE.0 as f64 / FIELD;
 /// Markers that are closer to the border than this number of spacings are cut off and not located.

@@ -39,7 +39,7 @@ const DAMPING: f64 = 0.003;
 const TIP: f64 = 0.0005;
 /// Position of the object on its pedestal (m, in W), far from the initial position of the fingers.
 const PLACE: DVec3 = DVec3::new(5.0, 0.0, 0.05);
-/// Displacement of the object along the pads from which it counts as slip (m). A soft gel yields by less.
+/// Displacement of the object along the pads above which the object has slipped (m). A soft gel yields by less.
 pub const SLIDING: f64 = 0.004;
 
 /// Measurements and ground truth of one frame.

@@ -6,13 +6,15 @@ use feeler_sim::world::World;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Initial distance of each finger from the object (m), and closing speed (m/s).
+/// Initial distance of each finger from the object (m).
 const GAP: f64 = 0.002;
+/// Closing speed of each finger (m/s).
 const CLOSING: f64 = 0.01;
-/// Maximum indentation relative to the gel's thickness, and waiting time before lifting (s).
+/// Maximum indentation relative to the thickness of the gel.
 const DEEPEST: f64 = 0.7;
+/// Waiting time before lifting (s).
 const REST: f64 = 0.3;
-/// Time in which the fingers open (s).
+/// Duration of the opening of the fingers (s).
 const OPENING: f64 = 1.0;
 /// Duration of a tug (s).
 const TUG: f64 = 1.0;
@@ -26,8 +28,9 @@ pub struct Hand<'a> {
     reach: f64,
     /// Half the distance between the pads (m).
     half_gap: f64,
-    /// The value of `half_gap` at first contact; then the indentation (m) and the time (s) at the full grip.
+    /// Value of `half_gap` at first contact (m).
     touched: Option<f64>,
+    /// Indentation (m) and time (s) at which the full grip was reached.
     gripped: Option<(f64, f64)>,
     /// Point of the object between the fingertips when lifting began (m, in the object's frame).
     held: Option<DVec3>,

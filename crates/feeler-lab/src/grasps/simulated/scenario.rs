@@ -73,9 +73,9 @@ pub struct Scenario {
 /// Sinusoidal motion of the hand with a smooth envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shake {
-    /// Amplitude along the axes of W (m).
+    /// Amplitude of the translation along each axis of W (m).
     pub way: DVec3,
-    /// Amplitude about the z axis of W (rad).
+    /// Amplitude of the rotation about the z axis of W (rad).
     pub turn: f64,
     /// Frequency (Hz).
     pub frequency: f64,

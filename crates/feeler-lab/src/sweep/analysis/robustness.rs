@@ -29,7 +29,7 @@ struct Judged {
     decided_by: Option<DecidedBy>,
     /// Columns of the claims' results, which must all be 1 (pass).
     holds: Vec<usize>,
-    /// Columns of margins. The smallest margin is that of the criterion.
+    /// Columns of margins; the margin of the criterion is the smallest of them.
     margins: Vec<usize>,
 }
 

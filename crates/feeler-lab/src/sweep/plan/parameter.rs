@@ -251,7 +251,8 @@ fn same(a: &Value, b: &Value) -> bool {
     }
 }
 
-/// Keys of static and kinetic friction with factors that preserve their ratios in the experiment.
+/// Returns the keys of all friction coefficients, each with its factor: 1 for static friction, and the experiment's
+/// ratio of kinetic to static friction for kinetic friction.
 fn frictions(leaves: &[(String, Value)]) -> Vec<(String, f64)> {
     let number = |key: &str| {
         let found = leaves.iter().find(|(k, _)| k == key);

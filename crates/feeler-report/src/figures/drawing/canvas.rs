@@ -217,6 +217,7 @@ pub fn sheet(number: u32, title: &str, height: f64, body: Markup) -> String {
 fn legend_rows<'a>(legend: &[(&'a str, Pen)]) -> Vec<Vec<(f64, &'a str, Pen)>> {
     /// Average width of a legend character, with some margin.
     const LETTER: f64 = 8.0;
+    /// Left end of each row of the legend.
     const START: f64 = 16.0;
     let mut rows = vec![Vec::new()];
     let mut x = START;

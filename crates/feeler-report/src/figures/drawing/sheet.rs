@@ -167,7 +167,7 @@ fn name(legend: &[(&str, Pen)], colour: &str, is_solid: Option<bool>) -> String 
     entry.map_or_else(String::new, |(name, _)| (*name).into())
 }
 
-/// Name of horizontal lines: the last dashed legend entry.
+/// Name of horizontal lines: that of the last legend entry with a dashed or dotted line.
 fn reference_name<'a>(legend: &[(&'a str, Pen)]) -> &'a str {
     let mut broken = legend
         .iter()

@@ -23,9 +23,11 @@ pub struct Whole<'a> {
     seen: SeenWrench,
     /// Name of this session's recording in the table.
     recording: String,
-    /// Samples of this session, from which the errors are estimated after each round, with the latest estimate.
+    /// Samples of this session, from which the errors are estimated after each round.
     samples: Vec<WrenchSample>,
+    /// Number of the round after which the errors were last estimated.
     round: u32,
+    /// Latest estimate of the errors, as text.
     errors: Option<String>,
 }
 

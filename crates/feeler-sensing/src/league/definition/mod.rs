@@ -219,9 +219,9 @@ pub struct ImageData {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum Reference {
-    /// Mean of the first images of the table.
+    /// Mean of this number of images at the start of the table.
     First(usize),
-    /// Mean of these files.
+    /// Mean of the images in these files.
     Files(Vec<PathBuf>),
 }
 
@@ -229,7 +229,7 @@ pub enum Reference {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Published {
-    /// Metric, as in the results.
+    /// Metric, named as in the results.
     pub metric: String,
     /// Value with its unit.
     pub value: String,

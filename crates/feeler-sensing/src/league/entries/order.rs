@@ -11,8 +11,9 @@ pub struct Order {
     pub train: Vec<Piece>,
     /// Indices of the test pieces in the fold, in the order in which they are sent.
     pub test: Vec<usize>,
-    /// Identifier of each recording and of each group.
+    /// Identifier of each recording.
     pub recordings: Vec<usize>,
+    /// Identifier of each group.
     pub groups: Vec<usize>,
 }
 

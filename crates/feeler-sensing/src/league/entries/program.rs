@@ -265,7 +265,7 @@ fn last_of(stderr: ChildStderr) -> Receiver<Vec<u8>> {
     receiver
 }
 
-/// Formats the last part of standard error, after a colon.
+/// Returns a colon and the last part of standard error, or an empty string if nothing was written to it.
 fn shown(errors: Receiver<Vec<u8>>) -> String {
     let last = errors.recv_timeout(GRACE).unwrap_or_default();
     let last = String::from_utf8_lossy(&last);

@@ -8,8 +8,9 @@ use std::io::Write;
 
 /// Version of the messages.
 const VERSION: u32 = 1;
-/// Maximum length of an answer (bytes) in addition to its numbers, and maximum length of each number.
+/// Maximum length of an answer in addition to its numbers (bytes).
 const LINE: usize = 4096;
+/// Maximum length of each number of an answer (bytes).
 const NUMBER: usize = 64;
 /// Maximum number of characters of a wrong answer that are shown.
 const SHOWN: usize = 80;

@@ -28,7 +28,7 @@ use table::Table;
 
 pub use table::SERIAL;
 
-/// Processes all rows of the table in `options`, or those until `interrupted`.
+/// Processes the rows of the table in `options` until it ends or `interrupted` is set.
 pub fn sense(
     options: &SenseOptions,
     layout: &str,

@@ -55,7 +55,7 @@ pub(crate) struct Exposure {
 }
 
 impl Exposure {
-    /// Parameters of the pixels of a row that loses the fraction `lost_by_row` of its light.
+    /// Exposure parameters of a row of pixels that loses the fraction `lost_by_row` of its light to vignetting.
     #[inline(always)]
     pub fn new(config: &OpticsConfig, lost_by_row: f32) -> Self {
         Self {
@@ -95,7 +95,7 @@ impl Exposure {
     }
 }
 
-/// Minimum of two numbers as one instruction.
+/// Minimum of two numbers, compiled to a single instruction.
 #[inline(always)]
 fn least(one: f32, other: f32) -> f32 {
     if one > other { other } else { one }

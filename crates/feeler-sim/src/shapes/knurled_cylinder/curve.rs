@@ -14,19 +14,20 @@ use std::f64::consts::{PI, TAU};
 /// Number of cells per knurl. The curvature is monotonic between a crest and the next bottom, so the distance has at
 /// most one minimum and one maximum there.
 const CELLS: i64 = 4;
-/// Number of cells per knurl if there are less than [`FEW_KNURLS`].
+/// Number of cells per knurl if there are fewer than [`FEW_KNURLS`].
 const MANY_CELLS: i64 = 32;
 const FEW_KNURLS: u32 = 4;
 
-/// The curve and precomputed values.
+/// Cross-section curve of a knurled cylinder, with precomputed values.
 #[derive(Debug, Clone)]
 pub struct Curve {
     radius: f64,
     knurls: f64,
     depth: f64,
     ovality: f64,
-    /// Angle of a cell (rad), and its cosine and sine.
+    /// Angle of a cell (rad).
     cell: f64,
+    /// Cosine and sine of the angle of a cell.
     step: DVec2,
     /// Number of cells per knurl, a power of two.
     cells: i64,
@@ -48,8 +49,9 @@ struct Sample {
     slope: f64,
     /// Squared distance from the query point (m^2).
     square: f64,
-    /// Half of the first and second derivatives of `square` with respect to `phi`.
+    /// Half of the first derivative of `square` with respect to `phi`.
     first: f64,
+    /// Half of the second derivative of `square` with respect to `phi`.
     second: f64,
 }
 
@@ -127,7 +129,8 @@ impl Curve {
         best
     }
 
-    /// The crest at the nearest angle for a `point` outside, otherwise the nearest bottom; and its cell.
+    /// Initial guess of the nearest point, with the index of its cell boundary: the crest nearest in angle if `point`
+    /// is outside, otherwise the nearest groove bottom.
     fn first_guess(&self, point: DVec2, angle: f64) -> (Sample, i64) {
         let knurl = angle / (self.cell * self.cells as f64);
         let outside = point.length() > self.oval_radius(point) - self.depth / 2.0;
@@ -166,7 +169,7 @@ impl Curve {
         }
     }
 
-    /// Radius at `point`'s angle without knurls.
+    /// Radius of the curve without knurls at the angle of `point` (m).
     fn oval_radius(&self, point: DVec2) -> f64 {
         let square = point.length_squared();
         let cosine = (point.x * point.x - point.y * point.y) / square.max(f64::MIN_POSITIVE);

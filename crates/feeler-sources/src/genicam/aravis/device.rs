@@ -5,8 +5,9 @@ use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::ptr::{NonNull, null};
 use std::sync::PoisonError;
 
-/// `ARV_AUTO_OFF`, `ARV_ACQUISITION_MODE_CONTINUOUS`.
+/// `ARV_AUTO_OFF`.
 const AUTO_OFF: c_int = 0;
+/// `ARV_ACQUISITION_MODE_CONTINUOUS`.
 const CONTINUOUS: c_int = 0;
 
 /// A numeric camera setting.
@@ -20,7 +21,7 @@ pub(in super::super) enum Quantity {
     FrameRate,
 }
 
-/// The library functions of one quantity.
+/// Aravis functions that set one quantity of a camera and query its bounds.
 struct QuantityFunctions {
     is_available: unsafe extern "C" fn(Object, Failure) -> c_int,
     bounds: unsafe extern "C" fn(Object, *mut f64, *mut f64, Failure),
@@ -113,12 +114,12 @@ impl Device {
         ])
     }
 
-    /// Columns and rows of the sensor, px.
+    /// Width and height of the sensor, px.
     pub(in super::super) fn sensor_size(&self) -> Result<[i32; 2], String> {
         self.pair(self.functions().arv_camera_get_sensor_size)
     }
 
-    /// Minimum and maximum number of columns, and of rows.
+    /// Minimum and maximum width, and minimum and maximum height, px.
     pub(in super::super) fn size_bounds(&self) -> Result<[[i32; 2]; 2], String> {
         Ok([
             self.pair(self.functions().arv_camera_get_width_bounds)?,

@@ -119,7 +119,7 @@ impl Buffer<'_> {
         self.get(self.stream.functions.arv_buffer_get_image_pixel_format)
     }
 
-    /// Columns and rows, px.
+    /// Width and height, px.
     pub(in super::super) fn size(&self) -> [i32; 2] {
         let functions = self.stream.functions;
         [

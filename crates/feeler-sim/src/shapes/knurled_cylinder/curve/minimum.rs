@@ -10,7 +10,7 @@ const LAST_STEP: f64 = 1e-7;
 const MAX_ITERATIONS: usize = 64;
 
 impl Curve {
-    /// Replaces `best` by the minimum of the distance between two samples, if any, if it is nearer.
+    /// Finds a minimum of the distance between two samples, if any, and stores it in `best` if it is nearer.
     #[inline]
     pub(super) fn improve(&self, best: &mut Sample, point: DVec2, low: &Sample, high: &Sample) {
         let falls = low.first <= 0.0;
@@ -72,8 +72,9 @@ impl Curve {
         None
     }
 
-    /// Minimum between `from`, where the distance falls, and `to`, `width` (rad) farther, where it rises: Newton's
-    /// method on the derivative with bisection as fallback. `None` if the minimum is clearly above `bound` (m^2).
+    /// Finds the minimum of the distance between the angle `from`, where the distance decreases, and `to`, `width`
+    /// (rad) farther, where it increases: Newton's method on the derivative with bisection as fallback. `None` if the
+    /// minimum is clearly above `bound` (m^2).
     #[inline(never)]
     fn descend(
         &self,
