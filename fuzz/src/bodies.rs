@@ -32,7 +32,7 @@ use feeler_link::messages::message::{
 };
 use feeler_link::messages::{Echo, JointCounts};
 use feeler_link::stop_server::wire::parse as parse_datagram;
-use feeler_link::transport::{Place, Topic, header};
+use feeler_link::transport::{ProgramRole, Topic, header};
 use feeler_record::tactile_array::{TactileArray, from_cloud, to_cloud, to_recorded, to_wrench};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
@@ -444,11 +444,11 @@ fn fill_in_token(hand: &HandInbox, message: &mut [u8]) {
 }
 
 /// The first heartbeats of a hand, a world and a sensor program, whose instances are 1, 2 and 3.
-fn introductions() -> [(Place, Vec<u8>); 3] {
+fn introductions() -> [(ProgramRole, Vec<u8>); 3] {
     let programs = [
-        (Place::Hand, "hand", NO_FINGER),
-        (Place::World, "world", NO_FINGER),
-        (Place::Sense(0), "sense", 0),
+        (ProgramRole::Hand, "hand", NO_FINGER),
+        (ProgramRole::World, "world", NO_FINGER),
+        (ProgramRole::Sense(0), "sense", 0),
     ];
     let mut instance = 0;
     programs.map(|(place, program, finger)| {

@@ -208,7 +208,7 @@ fn in_layout_order(located: &locate::Located, layout: &LocatedLayout) -> Vec<Loc
             LocateWarning::TwoLevels
             | LocateWarning::LeftOut { .. }
             | LocateWarning::AtBorder { .. }
-            | LocateWarning::Unlike { .. } => {}
+            | LocateWarning::IrregularPattern { .. } => {}
         }
     }
     warnings

@@ -2,7 +2,7 @@
 
 use super::{CommandError, Outcome};
 use feeler_link::messages::message as linked;
-use feeler_link::transport::{Place, Topic};
+use feeler_link::transport::{ProgramRole, Topic};
 use feeler_record::sensed::MOMENTS;
 use feeler_record::wire::Message;
 use feeler_record::{RecordedTopic, topics};
@@ -106,7 +106,7 @@ fn linked() -> [Schema; 9] {
         Schema::linked::<linked::HandMode>(Topic::Mode),
         Schema::linked::<linked::CommandMessage>(Topic::Command),
         Schema::linked::<linked::StateMessage>(Topic::State),
-        Schema::linked::<linked::Heartbeat>(Topic::Heartbeat(Place::Hand)),
+        Schema::linked::<linked::Heartbeat>(Topic::Heartbeat(ProgramRole::Hand)),
         Schema::linked::<linked::StopMessage>(Topic::Stop),
         Schema::linked::<linked::ResumeMessage>(Topic::Resume),
     ]

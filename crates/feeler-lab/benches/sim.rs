@@ -153,7 +153,7 @@ fn control_period(bencher: Bencher, sensing: &str) {
     let path = std::env::temp_dir().join(format!("feeler-bench-{sensing}-{}", std::process::id()));
     let facts = run_facts(&experiment.config).expect("facts");
     let start = || {
-        let session = Session::drawing(&experiment, Pictures::Sensed).expect("a session");
+        let session = Session::rendering(&experiment, Pictures::Sensed).expect("a session");
         let recorder = Recorder::create(&path, &facts, &experiment.toml).expect("a recorder");
         let log = RunLog::new(recorder, &facts).expect("a log");
         (session, log)

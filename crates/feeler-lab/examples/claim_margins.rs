@@ -49,7 +49,7 @@ fn main() -> Result<(), AnyError> {
 /// Returns the claims of a run of the experiment `name` with `settings`.
 fn claims(name: &str, settings: &[String]) -> Result<Vec<Claim>, AnyError> {
     let experiment = Experiment::load(name, settings)?;
-    let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
+    let mut session = Session::rendering(&experiment, Pictures::Sensed)?;
     let (recording, data) = session.run_in_memory(&experiment.config)?;
     Ok(tasks::of(&recording.facts).claims(&recording, &data, &data.stroke_measures()))
 }

@@ -196,7 +196,7 @@ impl Finger {
 /// Runs `experiment`. Returns the measurements of each finger, and the angle by which the cap turned (rad).
 pub fn run(experiment: &Experiment) -> Result<(Vec<Finger>, f64), AnyError> {
     let feeler = &experiment.config.simulation()?.feeler;
-    let mut session = Session::drawing(experiment, Pictures::Sensed)?;
+    let mut session = Session::rendering(experiment, Pictures::Sensed)?;
     let cap = session.rig().world().model().object("cap");
     let cap = cap.ok_or("the experiment has no cap")?;
     let mut fingers = vec![Finger::default(); session.layouts().len()];

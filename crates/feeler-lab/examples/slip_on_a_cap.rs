@@ -86,7 +86,7 @@ pub fn score(
 
 fn run(experiment: &Experiment, counts: &mut [[Confusion; 3]; 2]) -> Result<(), Box<dyn Error>> {
     let touch_force = experiment.config.control.touch_force;
-    let mut session = Session::drawing(experiment, Pictures::Sensed)?;
+    let mut session = Session::rendering(experiment, Pictures::Sensed)?;
     let fingers = session.layouts().iter().map(|l| l.elements.len());
     let mut fingers: Vec<_> = fingers.map(|n| Finger::new(touch_force, n)).collect();
     while !session.finished() {

@@ -66,7 +66,7 @@ pub fn measure_latency(bench: LatencyBench, out: &mut dyn Write) -> Result<Outco
     let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
     let endpoint = format!("tcp/127.0.0.1:{port}");
     let network = LinkOptions::default().listen("bench", &ListenOptions::at(&endpoint))?;
-    let _sensors = Ended(
+    let _sensors = KilledOnDrop(
         Command::new(std::env::current_exe()?)
             .args(["bench", "link", "--rate", &bench.rate.to_string()])
             .args(["--sensors-of", &endpoint])
@@ -113,9 +113,9 @@ pub fn measure_latency(bench: LatencyBench, out: &mut dyn Write) -> Result<Outco
 }
 
 /// A child process that is killed on drop.
-struct Ended(Child);
+struct KilledOnDrop(Child);
 
-impl Drop for Ended {
+impl Drop for KilledOnDrop {
     fn drop(&mut self) {
         // The process may already have exited.
         let _ = self.0.kill();

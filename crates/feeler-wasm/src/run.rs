@@ -47,7 +47,7 @@ impl Run {
     pub fn new(experiment: &str, settings: Vec<String>) -> Result<Run, JsError> {
         let experiment = Experiment::load(experiment, &settings).map_err(js)?;
         let options = record_options(&experiment, false).map_err(js)?;
-        let session = Session::drawing(&experiment, Pictures::Sensed).map_err(js)?;
+        let session = Session::rendering(&experiment, Pictures::Sensed).map_err(js)?;
         let facts = session.facts(&experiment.config);
         let recorder = BufferRecorder::new(&facts, &experiment.toml, &options).map_err(js)?;
         let rows = LiveRows::new(&experiment.config).map_err(js)?;

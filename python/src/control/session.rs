@@ -59,7 +59,7 @@ impl Session {
         };
         // Python code receives forces only, so other images are not rendered.
         let session =
-            experiment::Session::with_task_drawing(&experiment, task, &homes, Pictures::Sensed);
+            experiment::Session::with_task_rendering(&experiment, task, &homes, Pictures::Sensed);
         let mut session = session.map_err(refused)?;
         if let Some(laws) = law {
             let own = |finger: usize| {

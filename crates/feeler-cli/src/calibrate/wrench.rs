@@ -77,7 +77,7 @@ fn calibrate_taxels(
     let progress = Steps::new(forces.recordings().len());
     let recordings = read_taxel_recordings(&forces, &layout, || progress.advance())?;
     drop(progress);
-    recordings.troubles.iter().for_each(|words| warn(words));
+    recordings.problems.iter().for_each(|words| warn(words));
     let delay = recordings.delay;
     if delay.abs() >= MAX_DELAY && !arguments.force_fit {
         return Err(format!(

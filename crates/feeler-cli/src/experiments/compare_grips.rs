@@ -119,7 +119,7 @@ fn under_policy(experiment: &Experiment, law: LawConfig) -> Result<Experiment, C
     let policy = experiment.policy_file()?;
     let experiment = experiment.with_policy(policy);
     // A policy for another hand is rejected before any trial runs.
-    Session::drawing(&experiment, Pictures::Sensed)?;
+    Session::rendering(&experiment, Pictures::Sensed)?;
     Ok(experiment)
 }
 

@@ -8,7 +8,7 @@ use feeler_link::messages::message::{
     CommandMessage, DirectForces, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL,
     PictureMessage, ProgramKind, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::transport::{Place, Topic};
+use feeler_link::transport::{ProgramRole, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -300,7 +300,7 @@ fn messages() -> Vec<Vec<u8>> {
         framed(Topic::DirectForces(0), &forces),
         framed(Topic::State, &state),
         framed(Topic::Command, &command),
-        framed(Topic::Heartbeat(Place::Order), &heartbeat),
+        framed(Topic::Heartbeat(ProgramRole::Order), &heartbeat),
         framed(Topic::Stop, &stop),
         framed(Topic::Resume, &resume),
     ]

@@ -88,7 +88,7 @@ fn row(variant: Variant, hands: &[Vec<Outcome>]) -> String {
 /// vary between runs.
 fn of_run(law: &str, variant: Variant, hand: u64, run: u64) -> Result<Outcome, AnyError> {
     let experiment = experiment(law, variant, hand, run)?;
-    let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
+    let mut session = Session::rendering(&experiment, Pictures::Sensed)?;
     outcome(&mut session, &experiment, variant)
 }
 

@@ -39,7 +39,7 @@ fn on_circle(experiment: &Experiment, radius: f64) -> Result<Outcome, AnyError> 
         return Err("expected an experiment with [task.screw]".into());
     };
     let homes: Vec<_> = config.finger.iter().map(|finger| finger.home).collect();
-    let world = Session::drawing(experiment, Pictures::Sensed)?;
+    let world = Session::rendering(experiment, Pictures::Sensed)?;
     let (world, cap) = (world.rig().world(), "cap");
     let index = world.model().object(cap).ok_or("expected a cap")?;
     let task = Circle {
@@ -51,7 +51,7 @@ fn on_circle(experiment: &Experiment, radius: f64) -> Result<Outcome, AnyError> 
         starts: Vec::new(),
     };
     let mut session =
-        Session::with_task_drawing(experiment, Box::new(task), &homes, Pictures::Sensed)?;
+        Session::with_task_rendering(experiment, Box::new(task), &homes, Pictures::Sensed)?;
     session.set_laws(|_| Box::new(AsPlanned));
     outcome(&mut session, experiment, Variant::Middle)
 }

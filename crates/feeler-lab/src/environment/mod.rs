@@ -97,7 +97,7 @@ impl Environment {
 
     fn of(episodes: Episodes, action: ActionKind) -> Result<Self, EnvironmentError> {
         let goal = goal(episodes.experiment())?;
-        let session = Session::drawing(episodes.experiment(), Pictures::Sensed)?;
+        let session = Session::rendering(episodes.experiment(), Pictures::Sensed)?;
         let layouts = observation_layouts(&session);
         let told = TOLD.len() + goal.names().len();
         Ok(Self {
@@ -138,7 +138,7 @@ impl Environment {
     /// Begins the episode of `seed`, for which the experiment is already set up.
     fn begin(&mut self, seed: u64) -> Result<u64, EnvironmentError> {
         let experiment = self.episodes.experiment();
-        self.session = Session::drawing(experiment, Pictures::Sensed)?;
+        self.session = Session::rendering(experiment, Pictures::Sensed)?;
         let layouts = observation_layouts(&self.session);
         if layouts != self.layouts {
             return Err(EnvironmentError::ObservationLength {

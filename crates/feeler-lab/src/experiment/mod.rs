@@ -174,16 +174,16 @@ impl Session {
     /// # Errors
     /// If a part of the experiment is invalid.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
-        Self::drawing(experiment, Pictures::Whole)
+        Self::rendering(experiment, Pictures::Whole)
     }
 
     /// Like [`Self::new`], but renders only the requested part of each image.
     ///
     /// # Errors
     /// Same as [`Self::new`].
-    pub fn drawing(experiment: &Experiment, pictures: Pictures) -> Result<Self, ExperimentError> {
+    pub fn rendering(experiment: &Experiment, pictures: Pictures) -> Result<Self, ExperimentError> {
         let task = &experiment.config.task;
-        Self::with_task_drawing(experiment, task.task(), &task.homes(), pictures)
+        Self::with_task_rendering(experiment, task.task(), &task.homes(), pictures)
     }
 
     /// Like [`Self::new`], but with `task` in place of the experiment's task. The fingers start from `homes` (m, in
@@ -196,14 +196,14 @@ impl Session {
         task: Box<dyn Task>,
         homes: &[[f64; 3]],
     ) -> Result<Self, ExperimentError> {
-        Self::with_task_drawing(experiment, task, homes, Pictures::Whole)
+        Self::with_task_rendering(experiment, task, homes, Pictures::Whole)
     }
 
     /// Like [`Self::with_task`], but renders only the requested part of each image.
     ///
     /// # Errors
     /// Same as [`Self::new`].
-    pub fn with_task_drawing(
+    pub fn with_task_rendering(
         experiment: &Experiment,
         task: Box<dyn Task>,
         homes: &[[f64; 3]],
@@ -248,7 +248,7 @@ impl Session {
         let task = FollowTask::new(requests.clone(), geometries(config)?, lifetime);
         let homes = config.task.homes();
         let task = Box::new(task);
-        let mut session = Self::with_task_drawing(experiment, task, &homes, Pictures::Sensed)?;
+        let mut session = Self::with_task_rendering(experiment, task, &homes, Pictures::Sensed)?;
         session.set_laws(|_| planned_velocity());
         session.time_limit = f64::INFINITY;
         Ok(session)

@@ -228,7 +228,7 @@ pub fn session(
         true => Pictures::Whole,
         false => Pictures::Sensed,
     };
-    let session = Session::drawing(experiment, pictures)?;
+    let session = Session::rendering(experiment, pictures)?;
     match experiment.config.sensing {
         Sensing::Image => session.sensing_side_by_side(),
         // Direct sensing is faster than the transfer to a thread.

@@ -60,7 +60,7 @@ impl GripTrial {
     pub fn run(experiment: &Experiment, seed: u64) -> Result<Self, ExperimentError> {
         let mut experiment = experiment.clone();
         let object = place_random_object(&mut experiment.config, seed);
-        let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
+        let mut session = Session::rendering(&experiment, Pictures::Sensed)?;
         let meter = watch(&session, &object);
         while !session.finished() {
             session.step()?;

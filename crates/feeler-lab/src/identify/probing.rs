@@ -40,7 +40,7 @@ pub fn probing(experiment: &Experiment) -> Result<Experiment, IdentifyError> {
 pub fn probe(experiment: &Experiment) -> Result<Trace, IdentifyError> {
     let config = &experiment.config;
     let probe = probe_of(config)?;
-    let mut session = Session::drawing(experiment, Pictures::Sensed)?;
+    let mut session = Session::rendering(experiment, Pictures::Sensed)?;
     let mut trace = Trace::new(probe, &config.control, session.layouts());
     while !session.finished() {
         session.step()?;

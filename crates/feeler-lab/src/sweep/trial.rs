@@ -237,7 +237,7 @@ impl Trials {
             Ok(experiment) => experiment,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
-        let mut session = match Session::drawing(&experiment, Pictures::Sensed) {
+        let mut session = match Session::rendering(&experiment, Pictures::Sensed) {
             Ok(session) => session,
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };

@@ -56,7 +56,7 @@ impl Margins {
 /// # Errors
 /// If the run cannot be recorded in memory, or a simulated sensor fails.
 pub fn judge(experiment: &Experiment) -> Result<Margins, TuneError> {
-    let Ok(mut session) = Session::drawing(experiment, Pictures::Sensed) else {
+    let Ok(mut session) = Session::rendering(experiment, Pictures::Sensed) else {
         return Ok(FAILED);
     };
     let (recording, data) = session.run_in_memory(&experiment.config)?;

@@ -89,7 +89,7 @@ fn a_row_of_taxels_does_not_allocate() {
         }
         count
     });
-    assert_eq!((count, sensor.troubles().skipped()), (100, 5));
+    assert_eq!((count, sensor.problems().skipped()), (100, 5));
 }
 
 /// Neither valid nor missing taxels allocate.

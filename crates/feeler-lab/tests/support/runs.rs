@@ -18,7 +18,7 @@ pub fn folder(name: &str) -> PathBuf {
 pub fn run(settings: &[String], pictures: Pictures, folder: &Path) -> Digest {
     run_as(
         settings,
-        |experiment| Session::drawing(experiment, pictures),
+        |experiment| Session::rendering(experiment, pictures),
         folder,
     )
 }

@@ -4,7 +4,7 @@ use crate::messages::message::{Heartbeat, PROTOCOL};
 use crate::transport::endpoints::LinkError;
 use crate::transport::outlet::{Outlet, send};
 use crate::transport::shared::Shared;
-use crate::transport::topic::{Place, Topic};
+use crate::transport::topic::{ProgramRole, Topic};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -87,7 +87,7 @@ fn beat(outlet: &dyn Outlet, status: &Shared<Status>) -> Result<(), LinkError> {
         status.heartbeat.clone()
     };
     // A program without a place in the rig can at most send an order.
-    let place = heartbeat.place().unwrap_or(Place::Order);
+    let place = heartbeat.place().unwrap_or(ProgramRole::Order);
     send(outlet, Topic::Heartbeat(place), &heartbeat)
 }
 

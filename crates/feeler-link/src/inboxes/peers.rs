@@ -7,7 +7,7 @@ use crate::messages::mismatch::{Mismatch, short};
 use crate::messages::plausible::check_protocol;
 use crate::messages::rejection::Rejection;
 use crate::messages::sequence::Sequence;
-use crate::transport::topic::Place;
+use crate::transport::topic::ProgramRole;
 
 /// Time without a heartbeat (s) after which a program is considered gone.
 pub const SILENT_AFTER: f64 = 1.0;
@@ -142,7 +142,7 @@ impl Peers {
     /// If the heartbeat is invalid, belongs to another place, or there are too many programs.
     pub fn heard(
         &mut self,
-        place: Place,
+        place: ProgramRole,
         bytes: &[u8],
         now: f64,
     ) -> Result<Option<&Peer>, Rejection> {

@@ -5,7 +5,7 @@
 
 use super::freshness::Echo;
 use super::printable::printable;
-use crate::transport::topic::Place;
+use crate::transport::topic::ProgramRole;
 use feeler::control::Phase;
 use feeler::hand::MAX_FINGERS;
 use feeler_record::text_enum;
@@ -321,12 +321,12 @@ message!(
 
 impl Heartbeat {
     /// Returns the program's place in the rig, or `None` if kind and finger do not match any.
-    pub fn place(&self) -> Option<Place> {
+    pub fn place(&self) -> Option<ProgramRole> {
         match (&self.program, self.finger) {
-            (ProgramKind::Hand, NO_FINGER) => Some(Place::Hand),
-            (ProgramKind::World, NO_FINGER) => Some(Place::World),
-            (ProgramKind::Order, NO_FINGER) => Some(Place::Order),
-            (ProgramKind::Sense, finger) => Some(Place::Sense(usize::try_from(finger).ok()?)),
+            (ProgramKind::Hand, NO_FINGER) => Some(ProgramRole::Hand),
+            (ProgramKind::World, NO_FINGER) => Some(ProgramRole::World),
+            (ProgramKind::Order, NO_FINGER) => Some(ProgramRole::Order),
+            (ProgramKind::Sense, finger) => Some(ProgramRole::Sense(usize::try_from(finger).ok()?)),
             _ => None,
         }
     }

@@ -16,6 +16,6 @@ pub use endpoints::{HAND_ENDPOINT, LinkConfig, LinkError};
 pub use network::{ImpairedNetwork, Impairment, MessageHandler, Network};
 pub use outlet::{Outlet, TimeSource, draw_instance, encode, header, monotonic, send};
 pub use shared::Shared;
-pub use topic::{Place, Topic};
+pub use topic::{ProgramRole, Topic};
 #[cfg(feature = "zenoh")]
 pub use zenoh_link::Link;

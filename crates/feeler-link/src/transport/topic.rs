@@ -19,7 +19,7 @@ pub enum Topic {
     /// [`crate::messages::message::StateMessage`].
     State,
     /// [`crate::messages::message::Heartbeat`] of the program with this role.
-    Heartbeat(Place),
+    Heartbeat(ProgramRole),
     /// [`crate::messages::message::StopMessage`].
     Stop,
     /// [`crate::messages::message::ResumeMessage`].
@@ -28,7 +28,7 @@ pub enum Topic {
 
 /// Role of a program in a rig. Each role is held by one program at a time, except [`Order`](Self::Order).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Place {
+pub enum ProgramRole {
     /// Controls the hand.
     Hand,
     /// Simulates the rig, or serves a real one.
@@ -39,7 +39,7 @@ pub enum Place {
     Order,
 }
 
-impl Place {
+impl ProgramRole {
     /// Returns all roles.
     pub fn all() -> impl Iterator<Item = Self> {
         let others = [Self::Hand, Self::World, Self::Order];
@@ -47,7 +47,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for ProgramRole {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Hand => f.write_str("hand"),
@@ -68,10 +68,10 @@ impl Topic {
             Self::Mode,
             Self::Command,
             Self::State,
-            Self::Heartbeat(Place::Hand),
-            Self::Heartbeat(Place::World),
-            Self::Heartbeat(Place::Sense(finger)),
-            Self::Heartbeat(Place::Order),
+            Self::Heartbeat(ProgramRole::Hand),
+            Self::Heartbeat(ProgramRole::World),
+            Self::Heartbeat(ProgramRole::Sense(finger)),
+            Self::Heartbeat(ProgramRole::Order),
             Self::Stop,
             Self::Resume,
         ]
@@ -84,7 +84,7 @@ impl Topic {
 
     /// Returns the heartbeat topics of all roles.
     pub fn heartbeats() -> impl Iterator<Item = Self> {
-        Place::all().map(Self::Heartbeat)
+        ProgramRole::all().map(Self::Heartbeat)
     }
 
     /// Returns the maximum message size in bytes. Longer messages are rejected unread.

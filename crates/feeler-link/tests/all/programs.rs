@@ -20,7 +20,7 @@ use feeler_link::programs::{
     SensorOutput, SensorProgram,
 };
 use feeler_link::transport::{
-    LinkError, MessageHandler, Network, Outlet, Place, Topic, encode, header,
+    LinkError, MessageHandler, Network, Outlet, ProgramRole, Topic, encode, header,
 };
 use feeler_record::InstrumentRecord;
 use glam::DVec3;
@@ -582,7 +582,7 @@ fn age_of_an_image_is_counted_from_its_arrival() {
         sequence: 1,
         ..Heartbeat::default()
     };
-    say(Topic::Heartbeat(Place::Hand), encode(&heartbeat));
+    say(Topic::Heartbeat(ProgramRole::Hand), encode(&heartbeat));
     let mode = |step| HandMode {
         header: header(7, step, 0.0),
         token: 1000 + step,

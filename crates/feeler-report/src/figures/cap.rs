@@ -5,7 +5,7 @@ use crate::figures::drawing::canvas::{
     BUCKETS, CAP, Pen, REFERENCE, SHADE, exact_panel, finger_colour, line, range, thin, with_moves,
 };
 use crate::figures::drawing::sheet::{Drawing, column};
-use crate::measures::cap::{CapMeasures, Felt};
+use crate::measures::cap::{CapEstimates, CapMeasures};
 use crate::run::data::RunData;
 use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::ReferenceLine;
@@ -51,7 +51,7 @@ fn torque_and_turn(
     cap: &CapMeasures,
     title: &str,
 ) -> Option<Drawing> {
-    let felt = Felt::new(recording);
+    let felt = CapEstimates::new(recording);
     let time = range(data.time.iter().copied())?;
     let measured = |values: Option<&Vec<f64>>, factor: f64| -> Points {
         let known = values.zip(cap.sense).into_iter();

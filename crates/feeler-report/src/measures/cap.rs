@@ -15,7 +15,7 @@ pub const TURNED_AS_FELT: f64 = 0.9;
 
 impl FeltStroke {
     /// Computes the values over the MOVE phase of `stroke`, which must not be empty.
-    pub(crate) fn new(felt: &Felt<'_>, data: &RunData, stroke: &Stroke) -> Self {
+    pub(crate) fn new(felt: &CapEstimates<'_>, data: &RunData, stroke: &Stroke) -> Self {
         let sense = data.facts.cap.map(|facts| facts.sense);
         let rows = stroke.moving.clone();
         let (first, last) = (rows.start, rows.end - 1);
@@ -63,7 +63,7 @@ impl CapMeasures {
             return None;
         }
         let sense = facts.map(|facts| facts.sense);
-        let felt = Felt::new(recording);
+        let felt = CapEstimates::new(recording);
         let strokes = match &data.thinned {
             Some(thinned) => thinned.felt.clone(),
             None => {
@@ -117,11 +117,11 @@ pub fn is_felt(recording: &Recording) -> bool {
 }
 
 /// Torque and rotation estimates of the hand over time.
-pub struct Felt<'a> {
+pub struct CapEstimates<'a> {
     findings: &'a [Findings],
 }
 
-impl<'a> Felt<'a> {
+impl<'a> CapEstimates<'a> {
     /// Estimates contained in `recording`.
     pub fn new(recording: &'a Recording) -> Self {
         let findings = &recording.findings;

@@ -13,7 +13,7 @@ use super::data::{RunData, findings};
 use super::finger_columns::keep;
 use super::stroke::{Stroke, split_strokes};
 use super::thinned::DecimatedRun;
-use crate::measures::cap::Felt;
+use crate::measures::cap::CapEstimates;
 use crate::measures::contact::Contact;
 use crate::measures::strokes::{FeltStroke, StrokeMeasures};
 use feeler_record::{RecordError, Recording, SAME_TIME};
@@ -211,7 +211,7 @@ impl LongRun {
         });
         self.too_long.extend(is_thinned.then_some(stroke.index));
         if !stroke.moving.is_empty() {
-            let felt = Felt::new(recording);
+            let felt = CapEstimates::new(recording);
             (self.felt).push(FeltStroke::new(&felt, &self.data, stroke));
         }
         let places = &self.places;

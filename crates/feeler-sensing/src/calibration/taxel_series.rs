@@ -19,7 +19,7 @@ pub struct TaxelRecordings {
     /// Estimated delay of the measured wrenches after the rows of taxels, s.
     pub delay: f64,
     /// Problems in the tables.
-    pub troubles: Vec<String>,
+    pub problems: Vec<String>,
 }
 
 /// Reads the taxel tables listed in `forces`, and interpolates the measured wrenches at the times of their rows. Calls
@@ -33,7 +33,7 @@ pub fn read_taxel_recordings(
     mut read: impl FnMut(),
 ) -> Result<TaxelRecordings, CommandError> {
     let mut all = Vec::new();
-    let mut troubles = Vec::new();
+    let mut problems = Vec::new();
     for (index, name) in forces.recordings().iter().enumerate() {
         let measured = forces.measured_in(index).ok_or_else(|| {
             format!(
@@ -42,7 +42,7 @@ pub fn read_taxel_recordings(
             )
         })?;
         let path = forces.path_of(name);
-        let series = read_series(&path, layout, measured, &mut troubles)
+        let series = read_series(&path, layout, measured, &mut problems)
             .map_err(|e| format!("{}: {e}", path.display()))?;
         check_times(&path, &series)?;
         all.push(series);
@@ -52,7 +52,7 @@ pub fn read_taxel_recordings(
     Ok(TaxelRecordings {
         samples: join(&all, delay),
         delay,
-        troubles,
+        problems,
     })
 }
 
@@ -61,7 +61,7 @@ fn read_series(
     path: &Path,
     layout: &TaxelLayout,
     measured: Vec<MeasuredAt>,
-    troubles: &mut Vec<String>,
+    problems: &mut Vec<String>,
 ) -> Result<TaxelSeries, CommandError> {
     let mut sensor = TaxelSensor::open(open_table(path)?, layout, None)?;
     let mut frame = TactileFrame::unloaded(sensor.element_count());
@@ -85,10 +85,10 @@ fn read_series(
         series.inputs.push(input);
     }
     series.forget_if_sparse();
-    for seen in sensor.troubles().iter() {
-        let column = seen.first.column.and_then(|c| sensor.columns().get(c));
-        let words = seen.in_words(column.map(String::as_str));
-        troubles.push(format!("{}: {words}", path.display()));
+    for problem in sensor.problems().iter() {
+        let column = problem.first.column.and_then(|c| sensor.columns().get(c));
+        let words = problem.in_words(column.map(String::as_str));
+        problems.push(format!("{}: {words}", path.display()));
     }
     Ok(series)
 }

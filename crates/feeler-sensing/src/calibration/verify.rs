@@ -74,7 +74,7 @@ pub fn verify(options: &VerifyOptions<'_>, out: &mut dyn Write) -> Result<Outcom
         let progress = Steps::new(forces.recordings().len());
         let recordings = read_taxel_recordings(&forces, &layout, || progress.advance())?;
         drop(progress);
-        recordings.troubles.iter().for_each(|words| warn(words));
+        recordings.problems.iter().for_each(|words| warn(words));
         return job.finish(&recordings.samples, out);
     }
     let mut sensor = named_sensor(

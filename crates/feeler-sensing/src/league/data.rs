@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// Contents of a data set.
 #[derive(Debug)]
-pub struct SetData {
+pub struct DataSet {
     /// Names of the values of one element, such as x, y and z.
     pub columns: &'static [&'static str],
     /// Unit of the values.

@@ -17,7 +17,7 @@ use feeler_console::{CommandError, Outcome, Outputs, Steps, exit_on_interrupt, p
 use feeler_report::pages::{LeaguePage, league_page};
 use feeler_report::run::make::create_folder;
 use score::score;
-use sets::{ENDING, FoundSet, find_sets};
+use sets::{ENDING, SetFiles, find_sets};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
@@ -45,7 +45,7 @@ pub fn league(options: &LeagueOptions, out: &mut dyn Write) -> Result<Outcome, C
             let _ = fs::remove_file(part);
         }
     })?;
-    let entries = |set: &FoundSet| Entry::all(set.definition.slip.is_some(), &programs).len();
+    let entries = |set: &SetFiles| Entry::all(set.definition.slip.is_some(), &programs).len();
     let bar = Steps::new(found.iter().map(|set| entries(set) + 1).sum());
     let sets = found.iter().map(|set| score(set, &programs, options, &bar));
     let page = LeaguePage {
@@ -77,7 +77,7 @@ pub fn league(options: &LeagueOptions, out: &mut dyn Write) -> Result<Outcome, C
 ///
 /// # Errors
 /// If a name is unknown, or no data set is found.
-fn chosen_sets(options: &LeagueOptions) -> Result<(Vec<FoundSet>, Vec<String>), CommandError> {
+fn chosen_sets(options: &LeagueOptions) -> Result<(Vec<SetFiles>, Vec<String>), CommandError> {
     let mut sets = find_sets(&options.data)?;
     let known: Vec<_> = sets.iter().map(|set| &*set.definition.name).collect();
     let is_unknown = |name: &&String| !known.contains(&name.as_str());

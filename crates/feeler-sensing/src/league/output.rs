@@ -1,6 +1,6 @@
 //! Results as text, table and JSON.
 
-use super::data::{SetData, Truth};
+use super::data::{DataSet, Truth};
 use feeler_report::pages::{LeaguePage, LeagueSet};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -14,7 +14,7 @@ const ENTRY: usize = 30;
 const VALUE: usize = 28;
 
 /// Describes the numbers of recordings, groups, rows and slips.
-pub fn content(set: &SetData) -> String {
+pub fn content(set: &DataSet) -> String {
     let rows: usize = set
         .recordings
         .iter()

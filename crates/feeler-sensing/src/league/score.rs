@@ -1,13 +1,13 @@
 //! Scores all entries on one data set.
 
 use super::LeagueOptions;
-use super::data::{Fold, SetData, split};
+use super::data::{DataSet, Fold, split};
 use super::definition::{Definition, Split};
 use super::entries::{Entry, Inputs, Task};
 use super::output::content;
 use super::read::read;
 use super::scores::{Metric, metric_names, metrics};
-use super::sets::FoundSet;
+use super::sets::SetFiles;
 use crate::score_slip::in_order;
 use feeler_console::Steps;
 use feeler_report::pages::{LeagueRow, LeagueSet, PublishedFigure};
@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Scores all entries on a data set. Advances `bar` after reading the data, and after each entry.
 pub fn score(
-    found: &FoundSet,
+    found: &SetFiles,
     programs: &[Entry],
     options: &LeagueOptions,
     bar: &Steps,
@@ -63,10 +63,10 @@ fn described(definition: &Definition) -> LeagueSet {
 /// # Errors
 /// If a file cannot be read, or the data are too few to split.
 fn prepared(
-    found: &FoundSet,
+    found: &SetFiles,
     data: &Path,
     scored: &mut LeagueSet,
-) -> Result<(SetData, Vec<Fold>), String> {
+) -> Result<(DataSet, Vec<Fold>), String> {
     let definition = &found.definition;
     // Results do not depend on the place of the data.
     let prefix = format!("{}{}", data.display(), std::path::MAIN_SEPARATOR);
@@ -94,8 +94,8 @@ fn prepared(
 
 /// Runs all entries in parallel, and passes their results to `take` in order.
 fn run_all(
-    found: &FoundSet,
-    set: &SetData,
+    found: &SetFiles,
+    set: &DataSet,
     folds: &[Fold],
     entries: &[Entry],
     options: &LeagueOptions,

@@ -1,6 +1,6 @@
 //! Metrics of answers, with bootstrap intervals.
 
-use super::data::{Fold, SetData, Truth, fold_of_group};
+use super::data::{DataSet, Fold, Truth, fold_of_group};
 use super::definition::{Definition, ErrorMetric, Split, Target};
 use super::entries::{Answers, Predictions};
 use feeler_lab::grasps::{Labelled, score_at, score_in_folds};
@@ -43,7 +43,7 @@ pub fn metric_names(definition: &Definition) -> Vec<(String, String)> {
 /// Computes the metrics of `answers`, in the order of [`metric_names`].
 pub fn metrics(
     definition: &Definition,
-    set: &SetData,
+    set: &DataSet,
     folds: &[Fold],
     answers: &Answers,
 ) -> Vec<Metric> {
@@ -64,7 +64,7 @@ pub fn metrics(
 }
 
 /// Computes the accuracy and the area under the ROC curve.
-fn slip_metrics(split: Split, set: &SetData, folds: &[Fold], answers: &Answers) -> [Metric; 2] {
+fn slip_metrics(split: Split, set: &DataSet, folds: &[Fold], answers: &Answers) -> [Metric; 2] {
     let (scores, is_probability) = match answers {
         Answers::Scores(scores) => (scores.clone(), false),
         Answers::Rows(rows) => (answered(set, folds, rows), true),
@@ -89,7 +89,7 @@ fn slip_metrics(split: Split, set: &SetData, folds: &[Fold], answers: &Answers) 
 }
 
 /// Returns the answer of a program for each labelled recording or row.
-fn answered(set: &SetData, folds: &[Fold], rows: &[Predictions]) -> Vec<Option<f64>> {
+fn answered(set: &DataSet, folds: &[Fold], rows: &[Predictions]) -> Vec<Option<f64>> {
     let mut by_recording: HashMap<usize, &Vec<Vec<f64>>> = HashMap::new();
     for (fold, predictions) in folds.iter().zip(rows) {
         for (piece, predicted) in fold.test.iter().zip(predictions) {
@@ -111,7 +111,7 @@ struct Sum(f64, f64);
 fn errors(
     metric: ErrorMetric,
     targets: usize,
-    set: &SetData,
+    set: &DataSet,
     folds: &[Fold],
     predictions: &[Predictions],
 ) -> Vec<Metric> {

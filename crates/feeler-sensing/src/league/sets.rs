@@ -25,7 +25,7 @@ const BUILT_IN: [&str; 11] = [
 
 /// A definition with the folder of its data.
 #[derive(Debug)]
-pub struct FoundSet {
+pub struct SetFiles {
     pub definition: Definition,
     pub folder: PathBuf,
 }
@@ -34,12 +34,12 @@ pub struct FoundSet {
 ///
 /// # Errors
 /// If a folder cannot be read, a definition is invalid, or two have the same name.
-pub fn find_sets(data: &Path) -> Result<Vec<FoundSet>, CommandError> {
-    let mut sets: Vec<FoundSet> = Vec::new();
+pub fn find_sets(data: &Path) -> Result<Vec<SetFiles>, CommandError> {
+    let mut sets: Vec<SetFiles> = Vec::new();
     for text in BUILT_IN {
         let definition = Definition::from_toml(text)?;
         let folder = data.join(&definition.folder);
-        sets.push(FoundSet { definition, folder });
+        sets.push(SetFiles { definition, folder });
     }
     for path in definition_files(data)? {
         let refused = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
@@ -54,7 +54,7 @@ pub fn find_sets(data: &Path) -> Result<Vec<FoundSet>, CommandError> {
             return Err(refused(&message).into());
         }
         let folder = path.parent().unwrap_or(data).join(&definition.folder);
-        sets.push(FoundSet { definition, folder });
+        sets.push(SetFiles { definition, folder });
     }
     Ok(sets)
 }

@@ -197,7 +197,7 @@ impl LabelTable {
                 Err(error) => {
                     notes.add("row", || format!("{}: {error}; row skipped", self.name));
                     // The stream will not recover.
-                    if !error.is_of_a_row() {
+                    if !error.affects_one_row() {
                         return false;
                     }
                 }

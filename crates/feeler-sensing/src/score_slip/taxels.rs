@@ -149,10 +149,10 @@ impl TaxelTables {
                 });
             }
         };
-        for seen in sensor.troubles().iter() {
-            let column = seen.first.column.and_then(|c| sensor.columns().get(c));
-            let words = seen.in_words(column.map(String::as_str));
-            notes.add(&format!("{:?}", seen.trouble), || refused(&words));
+        for problem in sensor.problems().iter() {
+            let column = problem.first.column.and_then(|c| sensor.columns().get(c));
+            let words = problem.in_words(column.map(String::as_str));
+            notes.add(&format!("{:?}", problem.problem), || refused(&words));
         }
         if let Err(error) = ended {
             if sequences.is_empty() {

@@ -118,7 +118,7 @@ impl TrackTables {
                 Ok(false) => break,
                 Err(error) => {
                     notes.add("row", || refused(&format_args!("{error}; row skipped")));
-                    if !error.is_of_a_row() {
+                    if !error.affects_one_row() {
                         break;
                     }
                     continue;

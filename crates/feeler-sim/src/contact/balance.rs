@@ -97,7 +97,7 @@ fn shift(
         for (axis, side) in sides.iter().enumerate() {
             let pose = hinge.pose(&turn, &object.start);
             let along = pose.rotation.row(axis);
-            let seen = |finger: &FingerState| finger.tip.seen_from(&pose);
+            let seen = |finger: &FingerState| finger.tip.relative_to(&pose);
             let grip = grip(model, fingers, own, index, seen, Freedom::Along(along));
             let to = side.give(turn.shift[axis], grip.load, grip.firm);
             moved = moved.max((to - turn.shift[axis]).abs());
@@ -111,7 +111,7 @@ fn shift(
     own.turn = turn;
     own.move_to(hinge.pose(&turn, &object.start));
     for finger in fingers {
-        finger.seen[index] = finger.tip.seen_from(&own.pose);
+        finger.seen[index] = finger.tip.relative_to(&own.pose);
     }
     way > SHIFT_TOLERANCE
 }

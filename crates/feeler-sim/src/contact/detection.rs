@@ -24,7 +24,7 @@ pub(crate) fn touch(
     let mut way = 0.0_f64;
     let seen = watch.seen.iter_mut().zip(&mut own.seen);
     for ((before, seen), object) in seen.zip(objects) {
-        *seen = own.tip.seen_from(&object.pose);
+        *seen = own.tip.relative_to(&object.pose);
         way = way.max(seen.motion_since(before, finger.dome_radius));
         *before = *seen;
     }

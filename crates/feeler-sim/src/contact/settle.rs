@@ -62,7 +62,7 @@ pub(crate) fn settle(
         if state.contacts.is_empty() {
             continue;
         }
-        let seen = state.tip.seen_from(&own.pose);
+        let seen = state.tip.relative_to(&own.pose);
         let turned = seen.turn_since(&state.rolled[index]);
         state.rolled[index] = seen.rotation;
         state.seen[index] = seen;
@@ -231,7 +231,7 @@ pub(crate) fn remember_tips(model: &WorldModel, state: &mut State, index: usize)
     }
     let pose = &state.objects[index].pose;
     for (finger, state) in model.fingers.iter().zip(&mut state.fingers) {
-        let seen = state.tip.seen_from(pose);
+        let seen = state.tip.relative_to(pose);
         let FingerState { contacts, sets, .. } = state;
         for (share, block) in contacts.on_mut(index).blocks_mut() {
             for lane in 0..share.count {

@@ -52,7 +52,7 @@ impl Pose {
     };
 
     /// This pose relative to `frame`; both given in W.
-    pub fn seen_from(&self, frame: &Self) -> Self {
+    pub fn relative_to(&self, frame: &Self) -> Self {
         let to_frame = frame.rotation.transpose();
         Self {
             position: to_frame * (self.position - frame.position),

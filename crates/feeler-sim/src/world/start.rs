@@ -63,7 +63,7 @@ fn overlap(object: &Object, other: &Object) -> f64 {
 fn check_feelers(model: &WorldModel, state: &State) -> Result<(), SimError> {
     for (number, (finger, own)) in model.fingers.iter().zip(&state.fingers).enumerate() {
         for (object, now) in model.objects.iter().zip(&state.objects) {
-            let seen = own.tip.seen_from(&now.pose);
+            let seen = own.tip.relative_to(&now.pose);
             for (element, feeler) in finger.feelers.iter().enumerate() {
                 let tip = finger.undeformed(&own.sets, &seen, element).position;
                 let distance = object.nearest(tip).map_or(0.0, |s| s.distance);

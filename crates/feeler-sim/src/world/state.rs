@@ -122,7 +122,7 @@ impl State {
             let elements = finger.normals.len();
             let mut due = vec![0.0; elements];
             due.resize(elements.next_multiple_of(GROUP), f64::INFINITY);
-            let seen: Vec<_> = objects.iter().map(|o| tip.seen_from(&o.pose)).collect();
+            let seen: Vec<_> = objects.iter().map(|o| tip.relative_to(&o.pose)).collect();
             FingerState {
                 joints: model.servo.joints(theta),
                 tip,

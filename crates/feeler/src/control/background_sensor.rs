@@ -10,7 +10,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Latest reading of one finger and the state of its sensor.
-struct Felt {
+struct SensorState {
     touch: TactileReading,
     /// Unread frames before the latest one.
     earlier: FrameBuffer,
@@ -22,12 +22,12 @@ struct Felt {
 
 /// Readings of all fingers, shared between the sensor threads and the control loop.
 struct Board {
-    fingers: Mutex<Vec<Felt>>,
+    fingers: Mutex<Vec<SensorState>>,
     changed: Condvar,
 }
 
 impl Board {
-    fn lock(&self) -> MutexGuard<'_, Vec<Felt>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<SensorState>> {
         self.fingers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -56,7 +56,7 @@ pub fn live<S: TactileSensor + Send + 'static>(
     sensors: Vec<S>,
     thresholds: FlagThresholds,
 ) -> std::io::Result<(Vec<BackgroundSensor>, NewDataSignal)> {
-    let felt = |sensor: &S| Felt {
+    let felt = |sensor: &S| SensorState {
         touch: TactileReading::none(sensor.element_count()),
         earlier: FrameBuffer::default(),
         arrived: None,

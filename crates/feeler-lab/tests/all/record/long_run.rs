@@ -76,7 +76,7 @@ fn a_run_of_ordinary_length_reads_like_one_in_memory() {
 fn columns_built_while_recording_equal_those_from_memory() {
     let settings = ["sensing=direct", "task.screw.strokes=2"].map(String::from);
     let experiment = Experiment::load("cap-closing", &settings).expect("an experiment");
-    let mut session = Session::drawing(&experiment, Pictures::Sensed).expect("a session");
+    let mut session = Session::rendering(&experiment, Pictures::Sensed).expect("a session");
     let facts = session.facts(&experiment.config);
     let mut whole = RunLog::new(MemoryRecorder::new(&facts).unwrap(), &facts).unwrap();
     let mut columns = RunLog::new(RunRecorder::new(&facts).unwrap(), &facts).unwrap();

@@ -16,7 +16,7 @@ fn stiffness(experiment: &Experiment) -> f64 {
 
 /// Ids of the claims that fail.
 fn broken(experiment: &Experiment) -> Vec<String> {
-    let mut session = Session::drawing(experiment, Pictures::Sensed).expect("a session");
+    let mut session = Session::rendering(experiment, Pictures::Sensed).expect("a session");
     let ran = session.run_in_memory(&experiment.config);
     let (recording, data) = ran.expect("a run");
     let summary = Summary::new(&recording, &data);

@@ -28,7 +28,7 @@ fn check(sensing: &'static str, seconds: f64) {
         let folder = folder(&format!("determinism-{sensing}-{pictures:?}"));
         let other = run_as(
             &settings(sensing, 1, seconds),
-            |experiment| Session::drawing(experiment, pictures)?.sensing_side_by_side(),
+            |experiment| Session::rendering(experiment, pictures)?.sensing_side_by_side(),
             &folder,
         );
         assert_eq!(other.to_string(), alone, "{pictures:?}");

@@ -4,7 +4,7 @@ use super::bench::{NOBODY, SENSE, WORLD, expected, hand, hear, heartbeat, put};
 use feeler_link::inboxes::{Inbox, Peers};
 use feeler_link::messages::message::Heartbeat;
 use feeler_link::messages::{Mismatch, Rejection};
-use feeler_link::transport::{Place, Topic, encode};
+use feeler_link::transport::{ProgramRole, Topic, encode};
 
 /// Reason for refusing a program with this heartbeat, if any.
 fn refused(heartbeat: &Heartbeat) -> Option<Mismatch> {
@@ -72,12 +72,17 @@ fn each_invalid_heartbeat_field_is_rejected() {
         let mut beat = heartbeat("world", WORLD);
         beat.sequence = 2;
         spoil(&mut beat);
-        let taken = put(&mut hand(), Topic::Heartbeat(Place::World), &beat, 0.1);
+        let taken = put(
+            &mut hand(),
+            Topic::Heartbeat(ProgramRole::World),
+            &beat,
+            0.1,
+        );
         assert_eq!(taken, Err(rejection), "{index}");
     }
     // On the topic of another place, too.
     let beat = heartbeat("world", NOBODY);
-    let taken = put(&mut hand(), Topic::Heartbeat(Place::Hand), &beat, 0.1);
+    let taken = put(&mut hand(), Topic::Heartbeat(ProgramRole::Hand), &beat, 0.1);
     assert_eq!(taken, Err(Rejection::Stranger));
 }
 

@@ -9,7 +9,7 @@ mod wrench;
 pub use program::{Predictions, end_programs};
 pub use wrench::Inputs;
 
-use super::data::{Fold, Piece, SetData, Truth};
+use super::data::{DataSet, Fold, Piece, Truth};
 use super::definition::Target;
 use feeler_lab::grasps::DETECTORS;
 use std::time::Duration;
@@ -90,7 +90,7 @@ pub enum Answers {
 /// A data set prepared for the entries: data, folds and targets.
 pub struct Task<'a> {
     pub name: &'a str,
-    pub set: &'a SetData,
+    pub set: &'a DataSet,
     pub folds: &'a [Fold],
     pub targets: &'a [Target],
     /// Inputs of the wrench calibration; `None` for slip.

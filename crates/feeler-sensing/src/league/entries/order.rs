@@ -1,6 +1,6 @@
 //! Order and identifiers under which a program receives recordings.
 
-use crate::league::data::{Fold, Piece, SetData};
+use crate::league::data::{DataSet, Fold, Piece};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
@@ -19,7 +19,7 @@ pub struct Order {
 
 impl Order {
     /// Draws the order of a fold. Pieces of the same recording stay in order of time.
-    pub fn of(set: &SetData, fold: &Fold) -> Self {
+    pub fn of(set: &DataSet, fold: &Fold) -> Self {
         let mut random = Pcg64::seed_from_u64(set.recordings.len() as u64);
         let mut drawn = |count: usize| {
             let mut drawn: Vec<_> = (0..count).collect();

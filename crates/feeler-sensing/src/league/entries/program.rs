@@ -2,7 +2,7 @@
 
 use super::order::Order;
 use super::protocol::Question;
-use crate::league::data::{Fold, SetData};
+use crate::league::data::{DataSet, Fold};
 use crate::league::definition::Target;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 use std::mem;
@@ -68,7 +68,7 @@ pub type Predictions = Vec<Vec<Vec<f64>>>;
 pub fn run(
     command: &str,
     name: &str,
-    set: &SetData,
+    set: &DataSet,
     folds: &[Fold],
     targets: &[Target],
     limit: Duration,

@@ -1,7 +1,7 @@
 //! Messages between the league and a program: one JSON object per line (docs/league.md).
 
 use super::order::Order;
-use crate::league::data::{Fold, Piece, SetData, Truth};
+use crate::league::data::{DataSet, Fold, Piece, Truth};
 use crate::league::definition::Target;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -82,7 +82,7 @@ enum Numbers {
 /// A fold of a data set, as sent to a program.
 pub struct Question<'a> {
     pub name: &'a str,
-    pub set: &'a SetData,
+    pub set: &'a DataSet,
     pub targets: &'a [Target],
     pub fold: &'a Fold,
     pub order: &'a Order,
@@ -244,7 +244,7 @@ mod tests {
 
     /// A fold that tests one recording of three rows with this truth.
     fn with_question<R>(truth: Truth, targets: usize, ask: impl FnOnce(&Question) -> R) -> R {
-        let set = SetData {
+        let set = DataSet {
             columns: &["x"],
             unit: "px".into(),
             recordings: vec![Recording {

@@ -1,6 +1,6 @@
 //! Entry: feeler's wrench calibration, fitted to the training rows.
 
-use crate::league::data::{Fold, Piece, Recording, SetData, Truth};
+use crate::league::data::{DataSet, Fold, Piece, Recording, Truth};
 use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::wrench::basis::Basis;
@@ -29,7 +29,7 @@ pub enum Inputs {
 
 impl Inputs {
     /// Converts all rows of a data set.
-    pub fn of(set: &SetData) -> Self {
+    pub fn of(set: &DataSet) -> Self {
         let recordings = set.recordings.iter();
         match set.columns {
             ["x", "y", "z"] => Self::Taxels(recordings.map(taxel_inputs).collect()),
@@ -52,7 +52,7 @@ impl Inputs {
     /// If the calibration cannot be fitted.
     pub fn predict(
         &self,
-        set: &SetData,
+        set: &DataSet,
         fold: &Fold,
         names: &[&str],
     ) -> Result<Vec<Vec<Vec<f64>>>, WrenchError> {
@@ -65,7 +65,7 @@ impl Inputs {
 
 fn predict<B: Basis>(
     inputs: &[Vec<B::Input>],
-    set: &SetData,
+    set: &DataSet,
     fold: &Fold,
     names: &[&str],
 ) -> Result<Vec<Vec<Vec<f64>>>, WrenchError>
@@ -106,7 +106,7 @@ where
 /// Returns the samples of the rows of a piece in which any target was measured.
 fn samples<B: Basis>(
     inputs: &[Vec<B::Input>],
-    set: &SetData,
+    set: &DataSet,
     piece: &Piece,
     axes: &[WrenchAxis],
 ) -> Vec<SampleOf<B>>

@@ -1,7 +1,7 @@
 //! Reads data sets of images with measured values.
 
 use super::targets::read_targets;
-use crate::league::data::{Recording, SetData, Truth};
+use crate::league::data::{DataSet, Recording, Truth};
 use crate::league::definition::{ImageData, Reference, Target};
 use crate::score_slip::in_order;
 use feeler::sensor::fingertip::LocatedLayout;
@@ -33,7 +33,7 @@ pub fn read(
     targets: &[Target],
     folder: &Path,
     files: &mut Vec<PathBuf>,
-) -> Result<SetData, CommandError> {
+) -> Result<DataSet, CommandError> {
     let table = folder.join(&data.table);
     let measured = read_targets(&table, &data.column, targets, None)?;
     let path_of = |name: &String| folder.join(&data.folder).join(name);
@@ -95,7 +95,7 @@ pub fn read(
     }
     files.extend(paths);
     files.push(table);
-    Ok(SetData {
+    Ok(DataSet {
         columns,
         unit: "px".into(),
         groups: all.iter().map(|recording| recording.name.clone()).collect(),

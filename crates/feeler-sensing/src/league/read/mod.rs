@@ -5,7 +5,7 @@ mod slip;
 mod targets;
 mod taxels;
 
-use super::data::SetData;
+use super::data::DataSet;
 use super::definition::Definition;
 use feeler_console::CommandError;
 use sha2::{Digest, Sha256};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn read(definition: &Definition, folder: &Path) -> Result<SetData, CommandError> {
+pub fn read(definition: &Definition, folder: &Path) -> Result<DataSet, CommandError> {
     let mut files = Vec::new();
     let mut set = match (&definition.slip, &definition.values) {
         (Some(slip), _) => slip::read(slip, folder, &mut files)?,

@@ -1,6 +1,6 @@
 //! Reads data sets of recordings labelled with slip.
 
-use crate::league::data::{Recording, SetData, Slip, Truth};
+use crate::league::data::{DataSet, Recording, Slip, Truth};
 use crate::league::definition::SlipData;
 use crate::score_slip::{Found, Label, Notes, RecordedOptions};
 use feeler_console::CommandError;
@@ -16,7 +16,7 @@ pub fn read(
     data: &SlipData,
     folder: &Path,
     files: &mut Vec<PathBuf>,
-) -> Result<SetData, CommandError> {
+) -> Result<DataSet, CommandError> {
     let options = options(data, folder);
     let path = folder.join(&data.recordings);
     let labels = data.labels.as_ref().map(|labels| folder.join(labels));
@@ -81,7 +81,7 @@ pub fn read(
             scores: scored.scores.to_vec(),
         })
     });
-    Ok(SetData {
+    Ok(DataSet {
         columns: if has_normal {
             &["x", "y", "z"]
         } else {

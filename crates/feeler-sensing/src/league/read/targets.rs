@@ -50,7 +50,7 @@ pub fn read_targets(
         match table.advance() {
             Ok(true) => {}
             Ok(false) => return Ok(measured),
-            Err(error) if error.is_of_a_row() => {
+            Err(error) if error.affects_one_row() => {
                 measured.skipped += 1;
                 continue;
             }

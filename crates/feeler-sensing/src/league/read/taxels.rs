@@ -1,7 +1,7 @@
 //! Reads data sets of taxel arrays with measured values.
 
 use super::targets::{Measured, read_targets};
-use crate::league::data::{Recording, SetData, Truth};
+use crate::league::data::{DataSet, Recording, Truth};
 use crate::league::definition::{Layout, Target, TaxelData};
 use crate::sense::taxel_layout_text;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
@@ -20,9 +20,9 @@ pub fn read(
     targets: &[Target],
     folder: &Path,
     files: &mut Vec<PathBuf>,
-) -> Result<SetData, CommandError> {
+) -> Result<DataSet, CommandError> {
     let layout = layout(data, folder)?;
-    let mut set = SetData {
+    let mut set = DataSet {
         columns: &["x", "y", "z"],
         unit: layout.force_unit().name().into(),
         recordings: Vec::new(),

@@ -140,13 +140,13 @@ fn sense_all(
                 pump.give_back(frame);
             }
             Some(Event::Note(words)) => stage.tally.note(&words),
-            Some(Event::Trouble(words)) if stage.is_stream => stage.tally.warn(&words),
-            Some(Event::Trouble(_)) => {}
-            Some(Event::Ended { troubles, skipped }) => {
+            Some(Event::TableProblem(words)) if stage.is_stream => stage.tally.warn(&words),
+            Some(Event::TableProblem(_)) => {}
+            Some(Event::Ended { problems, skipped }) => {
                 stage.tally.skip_lines(skipped);
                 // On a stream, a single occurrence was reported immediately.
                 let told = |count| stage.is_stream && count == 1;
-                let left = troubles.iter().filter(|&&(count, _)| !told(count));
+                let left = problems.iter().filter(|&&(count, _)| !told(count));
                 left.for_each(|(_, words)| stage.tally.warn(words));
                 return Ok(());
             }

@@ -1,7 +1,7 @@
 //! Reads rows on a background thread, so that the caller can time out.
 
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
-use feeler::sensor::taxel::{Seen, TaxelLayout, TaxelSensor};
+use feeler::sensor::taxel::{ProblemCount, TaxelLayout, TaxelSensor};
 use feeler_console::CommandError;
 use std::io::BufRead;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
@@ -20,10 +20,10 @@ pub enum Event {
     /// A message for the user that is not a problem.
     Note(String),
     /// Description of a problem that occurred for the first time.
-    Trouble(String),
+    TableProblem(String),
     /// The table ended. Contains number and description of each problem, and the number of skipped lines.
     Ended {
-        troubles: Vec<(u64, String)>,
+        problems: Vec<(u64, String)>,
         skipped: u64,
     },
     /// Reading failed.
@@ -100,11 +100,11 @@ fn read_all<R: BufRead>(
         match sensor.read(&mut frame) {
             Ok(()) => {}
             Err(SensorError::Ended { .. }) => {
-                let troubles = sensor.troubles();
-                let words = |seen: &Seen| (seen.count, in_words(&sensor, seen));
+                let problems = sensor.problems();
+                let words = |problem: &ProblemCount| (problem.count, in_words(&sensor, problem));
                 return Some(Event::Ended {
-                    troubles: troubles.iter().map(words).collect(),
-                    skipped: troubles.skipped(),
+                    problems: problems.iter().map(words).collect(),
+                    skipped: problems.skipped(),
                 });
             }
             Err(error) => return Some(Event::Failed(error.to_string())),
@@ -115,16 +115,16 @@ fn read_all<R: BufRead>(
             sender.send(Event::Sequence(name)).ok()?;
         }
         sender.send(Event::Frame { frame, at }).ok()?;
-        let all = sensor.troubles().iter();
-        for seen in all.filter(|seen| seen.first.line > told) {
-            let words = in_words(&sensor, seen);
-            sender.send(Event::Trouble(words)).ok()?;
+        let all = sensor.problems().iter();
+        for problem in all.filter(|problem| problem.first.line > told) {
+            let words = in_words(&sensor, problem);
+            sender.send(Event::TableProblem(words)).ok()?;
         }
         told = sensor.line();
     }
 }
 
-fn in_words<R: BufRead>(sensor: &TaxelSensor<R>, seen: &Seen) -> String {
-    let column = seen.first.column.and_then(|c| sensor.columns().get(c));
-    seen.in_words(column.map(String::as_str))
+fn in_words<R: BufRead>(sensor: &TaxelSensor<R>, problem: &ProblemCount) -> String {
+    let column = problem.first.column.and_then(|c| sensor.columns().get(c));
+    problem.in_words(column.map(String::as_str))
 }

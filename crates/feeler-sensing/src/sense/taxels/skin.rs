@@ -83,11 +83,11 @@ fn read_all(
 
 fn in_words(news: SkinNews) -> Event {
     match news {
-        SkinNews::Disconnected(reason) => Event::Trouble(format!(
+        SkinNews::Disconnected(reason) => Event::TableProblem(format!(
             "the skin is disconnected ({reason}); forces are unknown until it is connected again"
         )),
         SkinNews::Reconnected => Event::Note("the skin is connected again; its zero is kept".into()),
-        SkinNews::Silent => Event::Trouble(
+        SkinNews::Silent => Event::TableProblem(
             "the skin sends no frames; check its power, its baud rate and the layout's number of taxels"
                 .into(),
         ),

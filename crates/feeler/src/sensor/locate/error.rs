@@ -1,6 +1,6 @@
 //! Errors of locating elements in an image.
 
-use super::{MAX_SPOTS, MIN_SIZE, Polarity, Unlike};
+use super::{MAX_SPOTS, MIN_SIZE, PatternDefect, Polarity};
 
 /// Error returned when no elements can be located.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -67,7 +67,7 @@ pub enum LocateError {
     /// The spots do not form a pattern of markers.
     #[error(
         "not a pattern of markers ({polarity} spots: {spots}): {}; if they are markers, give their diameter (--spot-diameter)",
-        list(unlike)
+        list(defects)
     )]
     NoPattern {
         /// Polarity of the spots.
@@ -75,7 +75,7 @@ pub enum LocateError {
         /// Number of spots.
         spots: usize,
         /// Properties in which the spots differ from markers.
-        unlike: Vec<Unlike>,
+        defects: Vec<PatternDefect>,
     },
     /// There are more spots than a sensor can have.
     #[error("expected at most {MAX_SPOTS} spots, got {actual}: does the image show a sensor?")]
@@ -97,8 +97,8 @@ pub enum LocateError {
     },
 }
 
-/// Joins the messages of `unlike` with semicolons.
-pub(super) fn list(unlike: &[Unlike]) -> String {
-    let named: Vec<String> = unlike.iter().map(ToString::to_string).collect();
+/// Joins the messages of `defects` with semicolons.
+pub(super) fn list(defects: &[PatternDefect]) -> String {
+    let named: Vec<String> = defects.iter().map(ToString::to_string).collect();
     named.join("; ")
 }

@@ -30,7 +30,7 @@ mod warning;
 
 pub use crate::sensor::image::polarity::Polarity;
 pub use error::LocateError;
-pub use pattern::Unlike;
+pub use pattern::PatternDefect;
 pub(super) use quick::blobs_of_size;
 pub use reference::{MeanPicture, ReferencePicture};
 pub use regions::sub_regions;
@@ -155,21 +155,23 @@ fn located(
 ) -> Result<Located, LocateError> {
     // A given spot diameter means that the user has identified the spots.
     let identified = config.spot_diameter_px.is_some();
-    let unlike = match pattern::assess(&found.spots, found.noise) {
-        Assessment::NoPattern(unlike) if !identified => {
+    let defects = match pattern::assess(&found.spots, found.noise) {
+        Assessment::NoPattern(defects) if !identified => {
             return Err(LocateError::NoPattern {
                 polarity,
                 spots: found.spots.len(),
-                unlike,
+                defects,
             });
         }
-        Assessment::NoPattern(unlike) | Assessment::Pattern(unlike) => unlike,
+        Assessment::NoPattern(defects) | Assessment::Pattern(defects) => defects,
     };
     let grouped = groups::group(&found.spots, config.element_diameter_px);
     let oriented = reference.oriented(polarity);
     let mut located = regions::assemble(&oriented, polarity, config, found, grouped);
-    if !unlike.is_empty() {
-        located.warnings.push(LocateWarning::Unlike { unlike });
+    if !defects.is_empty() {
+        located
+            .warnings
+            .push(LocateWarning::IrregularPattern { defects });
     }
     Ok(located)
 }

@@ -47,7 +47,7 @@ pub(super) fn score(spots: &[Spot]) -> f64 {
 
 /// Property by which spots are not a regular pattern of markers, with the measured value.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Unlike {
+pub enum PatternDefect {
     /// There are too few spots to distinguish a pattern from specks.
     #[error("expected at least {FEWEST} spots, got {0}")]
     Few(usize),
@@ -95,16 +95,16 @@ const TOTAL: f64 = 2.0;
 /// Result of assessing whether spots are markers.
 pub(super) enum Assessment {
     /// The spots are markers, with the properties that exceed their individual maximum.
-    Pattern(Vec<Unlike>),
+    Pattern(Vec<PatternDefect>),
     /// The spots are not markers because of these properties.
-    NoPattern(Vec<Unlike>),
+    NoPattern(Vec<PatternDefect>),
 }
 
 /// Decides whether `spots` are markers by their number, spacing, size and contrast. `noise` is the image noise in gray
 /// levels.
 pub(super) fn assess(spots: &[Spot], noise: f64) -> Assessment {
     let Some(regularity) = regularity(spots) else {
-        return Assessment::NoPattern(vec![Unlike::Few(spots.len())]);
+        return Assessment::NoPattern(vec![PatternDefect::Few(spots.len())]);
     };
     let mut contrasts: Vec<f64> = spots.iter().map(|spot| spot.contrast).collect();
     let (actual, expected) = (median(&mut contrasts), (6.0 * noise).max(4.0));
@@ -114,25 +114,25 @@ pub(super) fn assess(spots: &[Spot], noise: f64) -> Assessment {
         contrast,
     } = regularity;
     let measured = [
-        (spacing / SPACING, Unlike::Spacing(spacing)),
-        (size / SIZE, Unlike::Size(size)),
-        (contrast / CONTRAST, Unlike::Contrast(contrast)),
+        (spacing / SPACING, PatternDefect::Spacing(spacing)),
+        (size / SIZE, PatternDefect::Size(size)),
+        (contrast / CONTRAST, PatternDefect::Contrast(contrast)),
         // A contrast below its minimum counts as much as a deviation at its maximum.
         (
             if actual < expected { 1.0 } else { 0.0 },
-            Unlike::Faint { actual, expected },
+            PatternDefect::Faint { actual, expected },
         ),
     ];
     let total: f64 = measured.iter().map(|(part, _)| part).sum();
     let at_least = |least: f64| {
         let found = measured.iter().filter(move |(part, _)| *part >= least);
-        found.map(|&(_, unlike)| unlike)
+        found.map(|&(_, defects)| defects)
     };
     // Scattered spots of equal size and contrast differ in their spacing alone.
     if total <= TOTAL && spacing <= SCATTERED {
         Assessment::Pattern(at_least(1.0).collect())
     } else {
-        let total = (total > TOTAL).then_some(Unlike::Total(total));
+        let total = (total > TOTAL).then_some(PatternDefect::Total(total));
         Assessment::NoPattern(at_least(0.25 * TOTAL).chain(total).collect())
     }
 }

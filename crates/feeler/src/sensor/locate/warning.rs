@@ -1,6 +1,6 @@
 //! Warnings about located elements.
 
-use super::{Unlike, error::list};
+use super::{PatternDefect, error::list};
 use glam::DVec2;
 
 /// A possible problem with located elements.
@@ -63,10 +63,10 @@ pub enum LocateWarning {
         spots_px: Vec<DVec2>,
     },
     /// The spots are not a regular pattern of markers in some property.
-    #[error("check that these spots are markers: {}", list(unlike))]
-    Unlike {
+    #[error("check that these spots are markers: {}", list(defects))]
+    IrregularPattern {
         /// Properties that are irregular.
-        unlike: Vec<Unlike>,
+        defects: Vec<PatternDefect>,
     },
     /// Sub-regions are clipped at the image border.
     #[error(

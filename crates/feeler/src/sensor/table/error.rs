@@ -85,7 +85,7 @@ pub enum TableError {
 
 impl TableError {
     /// Returns `true` if only this row is invalid and the following rows can be read.
-    pub fn is_of_a_row(&self) -> bool {
+    pub fn affects_one_row(&self) -> bool {
         matches!(
             self,
             Self::CellCount { .. } | Self::Quote { .. } | Self::TooLong { .. }

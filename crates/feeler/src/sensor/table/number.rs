@@ -98,7 +98,7 @@ impl Decimals {
         let Some(own) = own else { return Ok(number) };
         match self.mark {
             Some((other, line)) if other != own => Err(NumberError::Mixed { own, other, line }),
-            None if self.is_doubtful(cell, own) => Err(NumberError::Thousands(own)),
+            None if self.is_prone_to_overfitting(cell, own) => Err(NumberError::Thousands(own)),
             _ => Ok(number),
         }
     }
@@ -106,10 +106,10 @@ impl Decimals {
     /// Decimal mark of the number in a cell, or `None` if it has none or is ambiguous.
     fn clear_mark(&self, cell: &[u8]) -> Option<Mark> {
         let (_, mark) = number(cell)?;
-        mark.filter(|&mark| !self.is_doubtful(cell, mark))
+        mark.filter(|&mark| !self.is_prone_to_overfitting(cell, mark))
     }
 
-    fn is_doubtful(&self, cell: &[u8], mark: Mark) -> bool {
+    fn is_prone_to_overfitting(&self, cell: &[u8], mark: Mark) -> bool {
         (mark == Mark::Comma || self.points_divide) && may_divide_thousands(cell, mark)
     }
 }

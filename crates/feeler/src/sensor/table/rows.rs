@@ -136,7 +136,7 @@ impl<R: BufRead> Table<R> {
     /// [`number_column`](Self::number_column) before the first row.
     ///
     /// # Errors
-    /// If the row is invalid ([`TableError::is_of_a_row`]) or reading the stream fails.
+    /// If the row is invalid ([`TableError::affects_one_row`]) or reading the stream fails.
     pub fn advance(&mut self) -> Result<bool, TableError> {
         while next_line(&mut self.lines)?.is_some() {
             let line = self.lines.number();

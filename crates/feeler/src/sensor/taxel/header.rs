@@ -1,7 +1,7 @@
 //! Finds the header of a taxel array's table.
 
 use super::columns::Columns;
-use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
+use super::{TablePosition, TableProblem, TableProblems, TaxelError, TaxelLayout};
 use crate::sensor::table::{Cells, Header, Line, Lines, is_number, separator_of, shortened};
 use std::io::BufRead;
 
@@ -20,11 +20,11 @@ pub fn find_header<R: BufRead>(
     lines: &mut Lines<R>,
     layout: &TaxelLayout,
     timed: bool,
-    troubles: &mut Troubles,
+    problems: &mut TableProblems,
 ) -> Result<(Columns, Cells, bool), TaxelError> {
     let mut first = None;
-    let mut seen = 0;
-    while seen < HEADER_LINES {
+    let mut line_count = 0;
+    while line_count < HEADER_LINES {
         let Some(line) = lines.next()? else { break };
         let number = lines.number();
         if line == Line::TooLong {
@@ -34,7 +34,7 @@ pub fn find_header<R: BufRead>(
         if is_comment(text) {
             continue;
         }
-        seen += 1;
+        line_count += 1;
         first.get_or_insert_with(|| shortened(&String::from_utf8_lossy(text)));
         // A layout's delimiter is one byte. A line with both semicolons and tabs is not a header.
         let separator = layout.columns.delimiter.map(|delimiter| delimiter as u8);
@@ -52,15 +52,15 @@ pub fn find_header<R: BufRead>(
             let columns = without_header(layout, timed, (number, cells.count()))?;
             return Ok((columns, cells, true));
         }
-        let place = Place {
+        let place = TablePosition {
             line: number,
             column: None,
         };
-        troubles.count(Trouble::NotARow, place);
+        problems.count(TableProblem::NotARow, place);
     }
     Err(TaxelError::HeaderNotFound {
         column: layout.first_column(),
-        lines: seen,
+        lines: line_count,
         first: first.unwrap_or_default(),
     })
 }

@@ -15,7 +15,7 @@
 //! 4. The vector is rotated to the element's frame `E_i`: x and y tangential, z compression, positive when pressed.
 //!
 //! Invalid values do not stop the sensor. Every row is a frame; a taxel with an invalid value has
-//! [`NO_FORCE`](crate::sensor::forces::reading::NO_FORCE) in that frame. Only lines without any number are skipped. [`Troubles`] counts
+//! [`NO_FORCE`](crate::sensor::forces::reading::NO_FORCE) in that frame. Only lines without any number are skipped. [`TableProblems`] counts
 //! all problems and stores the first position of each kind.
 
 mod built_in;
@@ -27,12 +27,12 @@ mod error;
 mod grid;
 mod header;
 mod layout;
+mod problems;
 mod rezero;
 mod row;
 mod rows;
 mod sensor;
 mod times;
-mod troubles;
 mod units;
 mod zero;
 
@@ -44,7 +44,7 @@ pub use layout::{
     ColumnNames, TAXEL_LAYOUT_VERSION, Taxel, TaxelDrift, TaxelLayout, TimeColumn, ZeroConfig,
     ZeroRule,
 };
+pub use problems::{ProblemCount, TablePosition, TableProblem, TableProblems};
 pub use rows::{TaxelRow, TaxelRows};
 pub use sensor::TaxelSensor;
-pub use troubles::{Place, Seen, Trouble, Troubles};
 pub use units::{Axes, SignedAxis, TaxelUnit, TimeUnit};

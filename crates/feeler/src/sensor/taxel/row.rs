@@ -1,7 +1,7 @@
 //! Parses the cells of a table row.
 
 use super::columns::{Columns, Role};
-use super::{Place, Trouble, Troubles};
+use super::{TablePosition, TableProblem, TableProblems};
 use crate::sensor::table::{Cells, Decimals, NumberError, is_number};
 use glam::DVec3;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -44,19 +44,19 @@ impl Values {
         &mut self,
         columns: &Columns,
         (line, cells): (u64, &Cells),
-        troubles: &mut Troubles,
+        problems: &mut TableProblems,
     ) -> bool {
         self.values.fill(DVec3::NAN);
         (self.time, self.hash) = (None, None);
         self.sequence.clear();
-        let place = Place { line, column: None };
+        let place = TablePosition { line, column: None };
         if !cells.is_whole() || cells.count() != columns.roles.len() {
             let is_row = cells.iter().any(is_number);
-            let trouble = match is_row {
-                true => Trouble::CellCount,
-                false => Trouble::NotARow,
+            let problem = match is_row {
+                true => TableProblem::CellCount,
+                false => TableProblem::NotARow,
             };
-            troubles.count(trouble, place);
+            problems.count(problem, place);
             return is_row;
         }
         let numbers = cells.iter().zip(&columns.roles);
@@ -65,20 +65,20 @@ impl Values {
         let mut hasher = DefaultHasher::new();
         for (index, (cell, &role)) in cells.iter().zip(&columns.roles).enumerate() {
             let column = Some(index);
-            let mut count = |trouble| troubles.count(trouble, Place { line, column });
+            let mut count = |problem| problems.count(problem, TablePosition { line, column });
             match role {
                 Role::Other => {}
-                Role::Sequence if cell.is_empty() => count(Trouble::Empty),
+                Role::Sequence if cell.is_empty() => count(TableProblem::Empty),
                 Role::Sequence => self.sequence.extend_from_slice(cell),
                 Role::Time => match self.decimals.parse(cell) {
                     Ok(time) if time.abs() <= LATEST * 1e9 => self.time = Some(time),
-                    _ => count(Trouble::TimeUnreadable),
+                    _ => count(TableProblem::TimeUnreadable),
                 },
                 Role::Value { taxel, axis } => {
                     cell.hash(&mut hasher);
                     match self.value(cell) {
                         Ok(value) => self.values[taxel][axis] = value,
-                        Err(trouble) => count(trouble),
+                        Err(problem) => count(problem),
                     }
                 }
             }
@@ -92,13 +92,13 @@ impl Values {
         true
     }
 
-    fn value(&self, cell: &[u8]) -> Result<f64, Trouble> {
+    fn value(&self, cell: &[u8]) -> Result<f64, TableProblem> {
         match self.decimals.parse(cell) {
             Ok(value) if value.abs() <= LARGEST => Ok(value),
-            Ok(_) => Err(Trouble::NotFinite),
-            Err(_) if cell.is_empty() => Err(Trouble::Empty),
-            Err(NumberError::NotANumber) => Err(Trouble::NotANumber),
-            Err(_) => Err(Trouble::DecimalMark),
+            Ok(_) => Err(TableProblem::NotFinite),
+            Err(_) if cell.is_empty() => Err(TableProblem::Empty),
+            Err(NumberError::NotANumber) => Err(TableProblem::NotANumber),
+            Err(_) => Err(TableProblem::DecimalMark),
         }
     }
 }

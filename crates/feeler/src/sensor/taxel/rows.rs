@@ -4,7 +4,7 @@ use super::columns::{Columns, Role};
 use super::header::{find_header, is_comment};
 use super::row::{Values, is_time};
 use super::times::Times;
-use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
+use super::{TablePosition, TableProblem, TableProblems, TaxelError, TaxelLayout};
 use crate::sensor::table::{Cells, Line, Lines, MAX_LINE, TableError};
 use glam::DVec3;
 use std::io::{self, BufRead};
@@ -61,7 +61,7 @@ pub struct TaxelRows<R> {
     before: Option<u64>,
     sequence: Vec<u8>,
     next: u64,
-    troubles: Troubles,
+    problems: TableProblems,
 }
 
 impl<R: BufRead> TaxelRows<R> {
@@ -75,9 +75,9 @@ impl<R: BufRead> TaxelRows<R> {
     pub fn open(stream: R, layout: &TaxelLayout, rate: Option<f64>) -> Result<Self, TaxelError> {
         let clock = clock(layout, rate)?;
         let timed = matches!(clock, Clock::Column(_));
-        let mut troubles = Troubles::default();
+        let mut problems = TableProblems::default();
         let mut lines = Lines::new(stream);
-        let (columns, cells, is_waiting) = find_header(&mut lines, layout, timed, &mut troubles)?;
+        let (columns, cells, is_waiting) = find_header(&mut lines, layout, timed, &mut problems)?;
         let header = match is_waiting {
             true => Vec::new(),
             false => lines.text().to_vec(),
@@ -96,7 +96,7 @@ impl<R: BufRead> TaxelRows<R> {
             before: None,
             sequence: Vec::with_capacity(MAX_LINE),
             next: 0,
-            troubles,
+            problems,
         })
     }
 
@@ -112,7 +112,7 @@ impl<R: BufRead> TaxelRows<R> {
                 continue;
             }
             if !self.header.is_empty() && text == self.header {
-                self.count(Trouble::HeaderAgain, line);
+                self.count(TableProblem::HeaderAgain, line);
                 continue;
             }
             self.cells.split(text);
@@ -124,7 +124,7 @@ impl<R: BufRead> TaxelRows<R> {
                 self.refuse_decimal_commas(line).map_err(invalid)?;
             }
             let cells = (line, &self.cells);
-            if self.values.read(&self.columns, cells, &mut self.troubles) {
+            if self.values.read(&self.columns, cells, &mut self.problems) {
                 self.take(line, row);
                 return Ok(true);
             }
@@ -159,7 +159,7 @@ impl<R: BufRead> TaxelRows<R> {
                 return Ok(true);
             }
             let line = self.lines.number();
-            self.count(Trouble::TooLong, line);
+            self.count(TableProblem::TooLong, line);
         }
         Ok(false)
     }
@@ -181,7 +181,7 @@ impl<R: BufRead> TaxelRows<R> {
         };
         let before = std::mem::replace(&mut self.before, self.values.hash);
         if !row.starts_sequence && before.is_some() && before == self.values.hash {
-            self.count(Trouble::Repeated, line);
+            self.count(TableProblem::Repeated, line);
         }
         row.values.clear();
         row.values.extend_from_slice(&self.values.values);
@@ -194,18 +194,19 @@ impl<R: BufRead> TaxelRows<R> {
         let Some(time) = time.filter(|&time| is_time(time)) else {
             // Other errors were counted when the cell was read.
             if time.is_some() {
-                self.count(Trouble::TimeUnreadable, line);
+                self.count(TableProblem::TimeUnreadable, line);
             }
             return self.times.newest();
         };
-        if let Some(trouble) = self.times.take(time) {
-            self.count(trouble, line);
+        if let Some(problem) = self.times.take(time) {
+            self.count(problem, line);
         }
         time
     }
 
-    fn count(&mut self, trouble: Trouble, line: u64) {
-        self.troubles.count(trouble, Place { line, column: None });
+    fn count(&mut self, problem: TableProblem, line: u64) {
+        self.problems
+            .count(problem, TablePosition { line, column: None });
     }
 
     /// Name of the current row's sequence; empty without a sequence column.
@@ -224,13 +225,13 @@ impl<R: BufRead> TaxelRows<R> {
     }
 
     /// Problems found in the table so far.
-    pub fn troubles(&self) -> &Troubles {
-        &self.troubles
+    pub fn problems(&self) -> &TableProblems {
+        &self.problems
     }
 
     /// Mutable access to the problems, to add further ones.
-    pub(super) fn troubles_mut(&mut self) -> &mut Troubles {
-        &mut self.troubles
+    pub(super) fn problems_mut(&mut self) -> &mut TableProblems {
+        &mut self.problems
     }
 
     /// Names of the columns.

@@ -1,7 +1,8 @@
 //! Tactile sensor that reads a taxel array's table.
 
 use super::{
-    Place, TaxelChain, TaxelError, TaxelLayout, TaxelRow, TaxelRows, TaxelUnit, Trouble, Troubles,
+    TablePosition, TableProblem, TableProblems, TaxelChain, TaxelError, TaxelLayout, TaxelRow,
+    TaxelRows, TaxelUnit,
 };
 use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
 use std::io::BufRead;
@@ -28,7 +29,7 @@ use std::io::BufRead;
 /// sensor.read(&mut frame)?;
 /// assert_eq!((frame.stamp, frame.forces[0].z), (0.01, 1.5));
 /// assert!(!frame.is_valid(1));
-/// assert_eq!(sensor.troubles().iter().count(), 1);
+/// assert_eq!(sensor.problems().iter().count(), 1);
 /// # Ok::<_, Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -79,8 +80,8 @@ impl<R: BufRead> TaxelSensor<R> {
     }
 
     /// Problems found in the table so far.
-    pub fn troubles(&self) -> &Troubles {
-        self.rows.troubles()
+    pub fn problems(&self) -> &TableProblems {
+        self.rows.problems()
     }
 
     /// Names of the table's columns.
@@ -97,8 +98,8 @@ impl<R: BufRead> TaxelSensor<R> {
         let line = self.rows.line();
         for taxel in self.chain.without_zero() {
             let column = self.rows.column_of(taxel);
-            let place = Place { line, column };
-            self.rows.troubles_mut().count(Trouble::NoZero, place);
+            let place = TablePosition { line, column };
+            self.rows.problems_mut().count(TableProblem::NoZero, place);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Checks that rows follow each other in regular intervals.
 
-use super::Trouble;
+use super::TableProblem;
 
 /// Minimum number of intervals for detecting jumps.
 const KNOWN: u32 = 5;
@@ -29,13 +29,13 @@ impl Times {
     }
 
     /// Adds the time of the next row (s). Returns the problem with it, if any.
-    pub fn take(&mut self, time: f64) -> Option<Trouble> {
+    pub fn take(&mut self, time: f64) -> Option<TableProblem> {
         let interval = time - self.newest.replace(time)?;
         if interval < 0.0 {
-            return Some(Trouble::TimeBack);
+            return Some(TableProblem::TimeBack);
         }
         if interval == 0.0 {
-            return Some(Trouble::TimeRepeated);
+            return Some(TableProblem::TimeRepeated);
         }
         if self.known < KNOWN {
             self.usual += (interval - self.usual) / f64::from(self.known + 1);
@@ -45,6 +45,6 @@ impl Times {
         // Jumps count, too, so that a changed rate soon becomes the usual one.
         let longest = JUMP * self.usual;
         self.usual += RATE * (interval.min(longest) - self.usual);
-        (interval > longest).then_some(Trouble::TimeJump)
+        (interval > longest).then_some(TableProblem::TimeJump)
     }
 }

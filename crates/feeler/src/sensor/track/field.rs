@@ -80,7 +80,7 @@ impl Field {
     }
 
     /// Displacement of a marker (px) predicted from its known neighbours; `None` if too few are known.
-    pub fn foretold(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> Option<DVec2> {
+    pub fn predict(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> Option<DVec2> {
         let near = &self.neighbours[own];
         let count = near.iter().filter(|&&i| known[i]).count();
         if count == near.len() {
@@ -100,15 +100,15 @@ impl Field {
             }
         }
         let inverse = normal.inverse();
-        let foretold = DVec2::new((inverse * right[0]).x, (inverse * right[1]).x);
-        foretold.is_finite().then_some(foretold)
+        let predicted = DVec2::new((inverse * right[0]).x, (inverse * right[1]).x);
+        predicted.is_finite().then_some(predicted)
     }
 
     /// Deviation of a marker's displacement from its prediction, in units of the marker spacing; 0 if it cannot be
     /// predicted.
     pub fn off(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> f64 {
-        let foretold = self.foretold(own, displacements, known);
-        foretold.map_or(0.0, |u| u.distance(displacements[own]) / self.spacing[own])
+        let predicted = self.predict(own, displacements, known);
+        predicted.map_or(0.0, |u| u.distance(displacements[own]) / self.spacing[own])
     }
 
     /// Replaces the displacements of markers that are not `known` with predictions, from known markers outward.
@@ -117,7 +117,7 @@ impl Field {
         loop {
             let next: Vec<(usize, DVec2)> = (0..known.len())
                 .filter(|&own| !known[own])
-                .filter_map(|own| Some((own, self.foretold(own, displacements, &known)?)))
+                .filter_map(|own| Some((own, self.predict(own, displacements, &known)?)))
                 .collect();
             if next.is_empty() {
                 return;

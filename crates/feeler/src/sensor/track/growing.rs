@@ -235,14 +235,14 @@ fn spread(
     let mut open: Vec<(usize, usize, DVec2)> = (0..reference.len())
         .filter(|&own| !matching.known[own])
         .filter_map(|own| {
-            let (support, foretold) = matching.supported(field, own)?;
-            Some((own, support, foretold))
+            let (support, predicted) = matching.supported(field, own)?;
+            Some((own, support, predicted))
         })
         .collect();
     open.sort_by_key(|&(own, support, _)| (std::cmp::Reverse(support), own));
     let mut count = 0;
-    for (own, _, foretold) in open {
-        let nearest = nearest_spot(places, reference[own] + foretold);
+    for (own, _, predicted) in open {
+        let nearest = nearest_spot(places, reference[own] + predicted);
         let free = nearest
             .filter(|&(spot, distance)| distance < NEAR * field.spacing(own) && !taken[spot]);
         if let Some((spot, _)) = free {

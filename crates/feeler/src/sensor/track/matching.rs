@@ -43,8 +43,8 @@ impl Matching {
     pub fn supported(&self, field: &Field, own: usize) -> Option<(usize, DVec2)> {
         let near = field.neighbours(own).iter().take(8);
         let support = near.filter(|&&other| self.known[other]).count();
-        let foretold =
-            (support >= 3).then(|| field.foretold(own, &self.displacements, &self.known));
-        Some((support, foretold??))
+        let predicted =
+            (support >= 3).then(|| field.predict(own, &self.displacements, &self.known));
+        Some((support, predicted??))
     }
 }

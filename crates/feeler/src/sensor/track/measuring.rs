@@ -50,16 +50,16 @@ impl MarkerTracker {
 
     /// Searches for a marker at the position predicted from the measured positions of its neighbours.
     fn look_again(&mut self, pixels: &[u8], own: usize) {
-        let Some(foretold) = self.field.foretold(own, &self.work, &self.found) else {
+        let Some(predicted) = self.field.predict(own, &self.work, &self.found) else {
             self.work[own] = self.markers[own].displacement;
             return;
         };
-        let look = self.look(pixels, own, foretold);
+        let look = self.look(pixels, own, predicted);
         self.found[own] = self.take(own, look)
             && self.field.off(own, &self.work, &self.found) <= MAX_OFF_AGAIN
             && !self.taken(own);
         if !self.found[own] {
-            self.work[own] = foretold;
+            self.work[own] = predicted;
         }
     }
 

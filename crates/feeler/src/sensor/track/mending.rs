@@ -82,10 +82,10 @@ impl Scene<'_> {
     /// predicted nearby.
     fn suited(&self, matching: &Matching, spot: usize, passed: &[usize]) -> Vec<usize> {
         let far = |own: usize| {
-            let foretold = self
+            let predicted = self
                 .field
-                .foretold(own, &matching.displacements, &matching.known)?;
-            let place = self.reference[own] + foretold;
+                .predict(own, &matching.displacements, &matching.known)?;
+            let place = self.reference[own] + predicted;
             Some(place.distance(self.places[spot]) / self.field.spacing(own))
         };
         let doubtful = |own: usize| !matching.known[own] || self.off(matching, own) > DOUBTFUL;

@@ -55,7 +55,7 @@ pub trait Basis:
 
     /// Returns `true` if `terms` is prone to overfitting compared with `other`, and should replace it only if its
     /// errors are far smaller.
-    fn is_doubtful(_terms: Self::Terms, _other: Self::Terms) -> bool {
+    fn is_prone_to_overfitting(_terms: Self::Terms, _other: Self::Terms) -> bool {
         false
     }
 

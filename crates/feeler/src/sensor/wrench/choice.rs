@@ -12,7 +12,7 @@ const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
 /// Minimum decrease of the mean error, in standard errors, for a set of terms with lower preference to be chosen. Among
 /// many candidates, one is better by chance.
 const WORTH: f64 = 1.0;
-/// Like [`WORTH`], but for less reliable terms ([`Basis::is_doubtful`]).
+/// Like [`WORTH`], but for less reliable terms ([`Basis::is_prone_to_overfitting`]).
 const WORTH_OF_DOUBTFUL: f64 = 3.0;
 /// Maximum ratio of the mean square error of less reliable terms to that of the other terms.
 const LEFT_BY_DOUBTFUL: f64 = 0.5;
@@ -38,7 +38,7 @@ impl<T: Copy> Choice<T> {
     /// Returns `true` if the errors are significantly smaller than those of `other`. Compares magnitudes, because
     /// squares may be dominated by a single image.
     fn is_worth_more<B: Basis<Terms = T>>(&self, other: &Self) -> bool {
-        match B::is_doubtful(self.terms, other.terms) {
+        match B::is_prone_to_overfitting(self.terms, other.terms) {
             true => {
                 let far_less = self.score() < LEFT_BY_DOUBTFUL * other.score();
                 far_less && self.is_better(other, WORTH_OF_DOUBTFUL)

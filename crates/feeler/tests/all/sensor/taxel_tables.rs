@@ -3,7 +3,8 @@
 use super::taxels::layout;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{
-    BuiltInTaxels, MAX_LINE, TaxelError, TaxelLayout, TaxelSensor, TimeColumn, TimeUnit, Trouble,
+    BuiltInTaxels, MAX_LINE, TableProblem, TaxelError, TaxelLayout, TaxelSensor, TimeColumn,
+    TimeUnit,
 };
 use proptest::prelude::*;
 use std::io::{self, BufRead, Read};
@@ -23,8 +24,11 @@ fn timed(unit: TimeUnit) -> TaxelLayout {
     layout
 }
 
-/// Frames of the table, and each kind of trouble with its count and the line of its first occurrence.
-fn sensed(layout: &TaxelLayout, table: &[u8]) -> (Vec<TactileFrame>, Vec<(Trouble, u64, u64)>) {
+/// Frames of the table, and each kind of problem with its count and the line of its first occurrence.
+fn sensed(
+    layout: &TaxelLayout,
+    table: &[u8],
+) -> (Vec<TactileFrame>, Vec<(TableProblem, u64, u64)>) {
     let mut sensor = TaxelSensor::open(table, layout, None).unwrap();
     let mut frame = TactileFrame::unloaded(sensor.element_count());
     let mut frames = Vec::new();
@@ -40,8 +44,8 @@ fn sensed(layout: &TaxelLayout, table: &[u8]) -> (Vec<TactileFrame>, Vec<(Troubl
             Err(error) => panic!("{error}"),
         }
     }
-    let seen = sensor.troubles().iter();
-    let seen = seen.map(|s| (s.trouble, s.count, s.first.line));
+    let seen = sensor.problems().iter();
+    let seen = seen.map(|s| (s.problem, s.count, s.first.line));
     (frames, seen.collect())
 }
 
@@ -72,18 +76,18 @@ fn irregularities_are_counted_and_no_row_is_lost() {
     }
     table += HEADER;
     table += "9,2,3,4,5,6";
-    let (frames, troubles) = sensed(&newtons(), table.as_bytes());
+    let (frames, problems) = sensed(&newtons(), table.as_bytes());
     assert_eq!(
-        troubles,
+        problems,
         [
-            (Trouble::NotARow, 2, 1),
-            (Trouble::TooLong, 1, 14),
-            (Trouble::HeaderAgain, 1, 16),
-            (Trouble::CellCount, 2, 10),
-            (Trouble::Empty, 1, 6),
-            (Trouble::NotANumber, 2, 7),
-            (Trouble::NotFinite, 2, 8),
-            (Trouble::Repeated, 1, 5),
+            (TableProblem::NotARow, 2, 1),
+            (TableProblem::TooLong, 1, 14),
+            (TableProblem::HeaderAgain, 1, 16),
+            (TableProblem::CellCount, 2, 10),
+            (TableProblem::Empty, 1, 6),
+            (TableProblem::NotANumber, 2, 7),
+            (TableProblem::NotFinite, 2, 8),
+            (TableProblem::Repeated, 1, 5),
         ]
     );
     let valid: Vec<_> = frames
@@ -112,14 +116,14 @@ fn irregular_times_are_counted_and_kept() {
     for (number, time) in times.iter().enumerate() {
         table += &format!("{time},{number},0,0,0,0,0\n");
     }
-    let (frames, troubles) = sensed(&timed(TimeUnit::Ms), table.as_bytes());
+    let (frames, problems) = sensed(&timed(TimeUnit::Ms), table.as_bytes());
     assert_eq!(
-        troubles,
+        problems,
         [
-            (Trouble::TimeUnreadable, 2, 13),
-            (Trouble::TimeRepeated, 1, 9),
-            (Trouble::TimeBack, 1, 10),
-            (Trouble::TimeJump, 1, 15),
+            (TableProblem::TimeUnreadable, 2, 13),
+            (TableProblem::TimeRepeated, 1, 9),
+            (TableProblem::TimeBack, 1, 10),
+            (TableProblem::TimeJump, 1, 15),
         ]
     );
     let stamps: Vec<_> = frames.iter().map(|f| (f.stamp * 1e3).round()).collect();
@@ -131,7 +135,7 @@ fn irregular_times_are_counted_and_kept() {
     let mut sensor = sensor.unwrap();
     while sensor.read(&mut frame).is_ok() {}
     assert_eq!(
-        (frame.stamp, sensor.troubles().iter().count()),
+        (frame.stamp, sensor.problems().iter().count()),
         (14.0 / 50.0, 0)
     );
 }
@@ -141,8 +145,8 @@ fn tables_without_a_header_use_the_layouts_column_order() {
     let layout = BuiltInTaxels::named("anyskin").unwrap().layout().unwrap();
     let row = |time: f64, x: f64| format!("{time}{}\n", format!(",{x},2,3").repeat(5));
     let table = row(0.5, 1.0) + &row(0.51, 5.0);
-    let (frames, troubles) = sensed(&layout, table.as_bytes());
-    assert_eq!((frames.len(), troubles.len()), (2, 0));
+    let (frames, problems) = sensed(&layout, table.as_bytes());
+    assert_eq!((frames.len(), problems.len()), (2, 0));
     assert_eq!((frames[0].stamp, frames[1].stamp), (0.5, 0.51));
     // Half of the step from 1 to 5, because the zero is the mean so far. The second chip is turned by -90 degrees.
     assert!((frames[1].forces[1].y + 2.0).abs() < 1e-9, "{frames:?}");
@@ -220,8 +224,8 @@ fn tables_of_other_programs_are_read() {
     ] {
         let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
         for bytes in [text.as_bytes(), &wide] {
-            let (frames, troubles) = sensed(&newtons(), bytes);
-            assert_eq!(troubles, [], "{text}");
+            let (frames, problems) = sensed(&newtons(), bytes);
+            assert_eq!(problems, [], "{text}");
             assert_eq!(format!("{frames:?}"), format!("{expected:?}"), "{text}");
         }
     }
@@ -230,11 +234,11 @@ fn tables_of_other_programs_are_read() {
 #[test]
 fn ambiguous_numbers_and_units_are_not_guessed() {
     let header = HEADER.replace(',', ";");
-    let (frames, troubles) = sensed(
+    let (frames, problems) = sensed(
         &newtons(),
         format!("{header}1,234;0;0;0;0;0\n1,5;0;0;2.5;0;0\n").as_bytes(),
     );
-    assert_eq!(troubles, [(Trouble::DecimalMark, 2, 2)]);
+    assert_eq!(problems, [(TableProblem::DecimalMark, 2, 2)]);
     assert_eq!(
         [
             frames[0].is_valid(0),
@@ -257,13 +261,13 @@ fn ambiguous_numbers_and_units_are_not_guessed() {
         format!("{HEADER}1,2,3,4,5,6\n{commas}"),
         format!("{HEADER}1,2,3,4,5,6,7\n"),
     ] {
-        let (frames, troubles) = sensed(&newtons(), table.as_bytes());
+        let (frames, problems) = sensed(&newtons(), table.as_bytes());
         let last = frames.last().unwrap();
         assert_eq!(
-            (last.is_valid(0), &*troubles),
+            (last.is_valid(0), &*problems),
             (
                 false,
-                &[(Trouble::CellCount, 1, 1 + frames.len() as u64)][..]
+                &[(TableProblem::CellCount, 1, 1 + frames.len() as u64)][..]
             )
         );
     }
@@ -313,9 +317,9 @@ proptest! {
         prop_oneof![Just(b','), Just(b'\n'), Just(b'1'), Just(b'-'), Just(b'e'), Just(b'"'), any::<u8>()], 0..600)
     ) {
         let table = [format!("time,{HEADER}").as_bytes(), &bytes].concat();
-        let (frames, troubles) = sensed(&timed(TimeUnit::Ns), &table);
+        let (frames, problems) = sensed(&timed(TimeUnit::Ns), &table);
         let lines = bytes.split(|&b| matches!(b, b'\n' | b'\r')).count() as u64;
-        let skipped: u64 = troubles.iter().filter(|t| t.0.is_skipped()).map(|t| t.1).sum();
+        let skipped: u64 = problems.iter().filter(|t| t.0.is_skipped()).map(|t| t.1).sum();
         prop_assert!(frames.len() as u64 + skipped <= lines);
         for force in frames.iter().flat_map(|frame| &frame.forces) {
             prop_assert!(force.is_finite() || force.is_nan());

@@ -149,7 +149,7 @@ proptest! {
             match table.advance() {
                 Ok(true) => { let _ = (table.number(force), table.text(0), table.whole(1)); }
                 Ok(false) => break,
-                Err(error) => prop_assert!(error.is_of_a_row() || matches!(error, TableError::Unit { .. }), "{error}"),
+                Err(error) => prop_assert!(error.affects_one_row() || matches!(error, TableError::Unit { .. }), "{error}"),
             }
         }
         let _ = Table::open(&*bytes);

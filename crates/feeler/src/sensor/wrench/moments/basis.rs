@@ -101,7 +101,7 @@ impl Basis for MomentBasis {
     }
 
     /// Returns `true` if only `terms` depends on the overall brightness, which drifts with the lamp.
-    fn is_doubtful(terms: Terms, other: Terms) -> bool {
+    fn is_prone_to_overfitting(terms: Terms, other: Terms) -> bool {
         terms.growth == Growth::Plain && other.growth != Growth::Plain
     }
 

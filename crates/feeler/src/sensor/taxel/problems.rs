@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Kind of problem in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Trouble {
+pub enum TableProblem {
     /// A line without any number; skipped.
     NotARow,
     /// A line that is too long; skipped.
@@ -35,7 +35,7 @@ pub enum Trouble {
     NoZero,
 }
 
-impl Trouble {
+impl TableProblem {
     /// All kinds of problems.
     pub const ALL: [Self; 14] = [
         Self::NotARow,
@@ -131,7 +131,7 @@ impl Trouble {
 
 /// A position in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
+pub struct TablePosition {
     /// Line number, from 1.
     pub line: u64,
     /// Column index, from 0, or `None` if the problem concerns the whole line.
@@ -140,16 +140,16 @@ pub struct Place {
 
 /// Number of problems of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Seen {
+pub struct ProblemCount {
     /// Kind of problem.
-    pub trouble: Trouble,
+    pub problem: TableProblem,
     /// Number of occurrences.
     pub count: u64,
     /// Position of the first occurrence.
-    pub first: Place,
+    pub first: TablePosition,
 }
 
-impl Seen {
+impl ProblemCount {
     /// Formats the problem as text; `column` is the name of the column of [`first`](Self::first).
     pub fn in_words(&self, column: Option<&str>) -> String {
         let column = column.map_or(String::new(), |name| format!(", column {name:?}"));
@@ -157,9 +157,9 @@ impl Seen {
     }
 }
 
-impl fmt::Display for Seen {
+impl fmt::Display for ProblemCount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [one, more, then] = self.trouble.words();
+        let [one, more, then] = self.problem.words();
         let Self { count, first, .. } = self;
         let line = first.line;
         match count {
@@ -171,29 +171,29 @@ impl fmt::Display for Seen {
 
 /// All problems found so far. Counting does not allocate.
 #[derive(Debug, Clone, Default)]
-pub struct Troubles {
-    seen: [Option<Seen>; Trouble::ALL.len()],
+pub struct TableProblems {
+    counts: [Option<ProblemCount>; TableProblem::ALL.len()],
 }
 
-impl Troubles {
+impl TableProblems {
     /// Counts a problem, and stores its position `first` if it is the first of its kind.
-    pub fn count(&mut self, trouble: Trouble, first: Place) {
-        let seen = self.seen[trouble as usize].get_or_insert(Seen {
-            trouble,
+    pub fn count(&mut self, problem: TableProblem, first: TablePosition) {
+        let found = self.counts[problem as usize].get_or_insert(ProblemCount {
+            problem,
             count: 0,
             first,
         });
-        seen.count += 1;
+        found.count += 1;
     }
 
     /// Problems found, by kind.
-    pub fn iter(&self) -> impl Iterator<Item = &Seen> {
-        self.seen.iter().flatten()
+    pub fn iter(&self) -> impl Iterator<Item = &ProblemCount> {
+        self.counts.iter().flatten()
     }
 
     /// Number of skipped lines.
     pub fn skipped(&self) -> u64 {
-        let skipped = self.iter().filter(|seen| seen.trouble.is_skipped());
-        skipped.map(|seen| seen.count).sum()
+        let skipped = self.iter().filter(|found| found.problem.is_skipped());
+        skipped.map(|found| found.count).sum()
     }
 }
