@@ -1,11 +1,11 @@
 //! Specified accuracy of the simulated 41-element sensor with the coupled calibration: 640x480 pixels, noise of the
 //! reference experiment, full scale 2 N of compression and 1 N of shear.
 
+use super::optics::of_experiment;
 use feeler::sensor::calibration::{Calibration, ForceValidity, ModelChoice};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::forces::{DriftConfig, OpticalSensor, TactileFrame, TactileSensor};
 use feeler::sensor::image::{Camera, CameraError, Frame};
-use feeler_lab::config::Experiment;
 use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
 use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::{DVec2, DVec3};
@@ -20,11 +20,7 @@ const FULL_SCALE: DVec3 = DVec3::new(1.0, 1.0, 2.0);
 
 /// Fingertip and optics of the reference experiment.
 fn reference() -> (FingertipConfig, OpticsConfig) {
-    let config = Experiment::load("cap-closing", &[]).unwrap().config;
-    (
-        config.sensor.fingertip,
-        config.sim.expect("a simulated world").optics,
-    )
+    of_experiment("cap-closing")
 }
 
 static COUPLED: LazyLock<Calibration> = LazyLock::new(|| {

@@ -1,6 +1,6 @@
 //! Contact law of one feeler on a flat face: stick, slip and hold.
 
-use crate::sim_bodies::scene::fixed;
+use crate::bodies::scene::fixed;
 use feeler_sim::contact::{Anchor, FeelerConfig, Overload, Tip};
 use feeler_sim::objects::Object;
 use feeler_sim::shapes::shape::ShapeConfig;

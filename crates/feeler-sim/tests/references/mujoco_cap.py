@@ -2,11 +2,11 @@
 
     python3 -m venv target/references
     target/references/bin/pip install mujoco==3.3.7 numpy==2.4.6
-    target/references/bin/python references/mujoco_cap.py references
+    target/references/bin/python crates/feeler-sim/tests/references/mujoco_cap.py crates/feeler-sim/tests/references
 
 MuJoCo 4.0.0 gives the same cap angles to the last stored digit, and forces within 6e-5 of their RMS.
 
-`tests/all/sim/mujoco_cap.rs` replays the motion and compares the cap angle and the forces on the elements. With
+`tests/all/mujoco_cap.rs` replays the motion and compares the cap angle and the forces on the elements. With
 `--time`, the script prints the mean and median duration of a step (us) instead, for `benches/peers/mujoco.py`.
 
 The motion is a function of time: joint angles (rad) are interpolated between knots by 3 s^2 - 2 s^3, and determine the
@@ -221,7 +221,7 @@ def main(path):
     touching = np.abs(forces).max(axis=(0, 3)) > 1e-3
     series = {f"{f}/{e}": np.round(forces[:, f, e], 4).tolist() for f in range(2) for e in range(41) if touching[f, e]}
     header = {
-        "converged_until": converged_until(coarse[0], angles), "made_by": f"crates/feeler-lab/references/mujoco_cap.py, MuJoCo {mujoco.__version__}, step 0.25 ms",
+        "converged_until": converged_until(coarse[0], angles), "made_by": f"crates/feeler-sim/tests/references/mujoco_cap.py, MuJoCo {mujoco.__version__}, step 0.25 ms",
         "half_millisecond_step_differs_by": difference(coarse, fine),
         "dome_radius": DOME, "tip_radius": TIP, "normal_stiffness": NORMAL, "shear_stiffness": SHEAR,
         "friction": FRICTION, "cap": CAP, "links": LINKS, "bases": [b[0] for b in BASES], "phi1_deg": [0.0, 180.0],

@@ -1,16 +1,23 @@
 //! Drives, encoders and the torque sensor, compared with their textbook formulas.
 
+use crate::rig;
 use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_sim::random::{Purpose, generator};
 use feeler_sim::rig::{Joints, ServoConfig, SimHand, SimRig, TorqueSensorConfig};
-
-use super::reference::{commands, experiment, world};
+use feeler_sim::world::{SimConfig, World};
+use std::path::Path;
 
 const SERVO: ServoConfig = ServoConfig {
     lag: 0.01,
     encoder_resolution: 1e-5,
     backlash: 0.0,
 };
+
+/// A world with both fingers of the rig.
+fn world(sim: &SimConfig, seed: u64) -> World {
+    let joints = [[0.0, 1.0, -1.0].into(), [0.0, -1.0, 1.0].into()];
+    World::new(sim, &rig::fingers(2), &joints, Path::new(""), seed).expect("a world")
+}
 
 fn free() -> (JointVector, JointVector) {
     (JointVector::splat(3, -10.0), JointVector::splat(3, 10.0))
@@ -68,9 +75,7 @@ fn a_servo_without_lag_has_its_commanded_velocity_at_once() {
 
 #[test]
 fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
-    let experiment = experiment(&["time_limit=0.05"]);
-    let start = commands(&experiment).start;
-    let mut world = world(&experiment, &start);
+    let mut world = world(&rig::sim(), 0);
     let resolution = world.model().servo.encoder_resolution;
     world.command(0, JointVector::zeros(3));
     let mut hand = SimHand::new(SimRig::new(world), 10);
@@ -100,12 +105,11 @@ fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
 #[test]
 fn encoders_have_a_constant_offset_from_power_up() {
     let most = 0.01;
-    let setting = format!("sim.variation.encoder_offset={most}");
+    let mut sim = rig::sim();
+    sim.variation.encoder_offset = most;
     let (mut drawn, runs) = (Vec::new(), 100);
     for seed in 0..runs {
-        let seed = format!("seed={seed}");
-        let experiment = experiment(&["time_limit=0.05", &seed, &setting]);
-        let mut world = world(&experiment, &[JointVector::from([0.0, 1.0, -1.0]); 2]);
+        let mut world = world(&sim, seed);
         world.step().expect("a step");
         let mut offsets = Vec::new();
         for (finger, own) in world.model().fingers.iter().enumerate() {
@@ -120,7 +124,7 @@ fn encoders_have_a_constant_offset_from_power_up() {
     }
     // Uniform: the mean's standard deviation is most / sqrt(3 n); four of them are exceeded less than once in 10 000.
     let count = drawn.len() as f64;
-    assert_eq!(drawn.len(), 6 * runs);
+    assert_eq!(drawn.len(), 6 * runs as usize);
     let mean = drawn.iter().sum::<f64>() / count;
     assert!(mean.abs() < 4.0 * most / (3.0 * count).sqrt(), "{mean}");
     let spread = drawn.iter().map(|off| off * off).sum::<f64>() / count;

@@ -42,7 +42,7 @@ def run(start, tilt, force, height, end):
 
 
 def main(path):
-    made = {"made_by": f"crates/feeler-lab/references/mujoco_box.py, MuJoCo {mujoco.__version__}", "half_size": SIZE, "mass": MASS,
+    made = {"made_by": f"crates/feeler-sim/tests/references/mujoco_box.py, MuJoCo {mujoco.__version__}", "half_size": SIZE, "mass": MASS,
             "friction": FRICTION, "step": STEP, "sample": SAMPLE, "gravity": 9.81,
             "row": "x, y, z (m), quaternion w, x, y, z"}
     cases = [f'"{name}": ' + json.dumps({"case": case, "poses": run(*case)}) for name, case in CASES.items()]

@@ -1,7 +1,8 @@
 //! The committed calibration is reproducible from the reference experiment's fingertip.
 
-use feeler::sensor::calibration::{ForceCurve, ForceMap};
-use feeler_lab::config::Experiment;
+use super::optics::of_experiment;
+use crate::experiment_file::text;
+use feeler::sensor::calibration::{Calibration, ForceCurve, ForceMap};
 use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
 
 /// Relative tolerance of forces.
@@ -12,17 +13,11 @@ const TOLERANCE: f64 = 1e-6;
 
 #[test]
 fn the_reference_calibration_is_reproducible() {
-    let separable = "sensor.calibration=\"reference-fingertip.calibration.toml\"".to_string();
-    let experiment = Experiment::load("cap-closing", &[separable]).unwrap();
-    let config = &experiment.config;
-    let committed = experiment.calibration(0).unwrap();
+    let (fingertip, optics) = of_experiment("cap-closing");
+    let separable = text("experiments/reference-fingertip.calibration.toml");
+    let committed = Calibration::from_toml(&separable).unwrap();
     let bench = CalibrationBenchConfig::default();
-    let made = calibrate_simulated(
-        &config.sensor.fingertip,
-        &config.simulation().expect("a simulated world").optics,
-        &bench,
-    )
-    .unwrap();
+    let made = calibrate_simulated(&fingertip, &optics, &bench).unwrap();
 
     assert_eq!(committed.made_for, made.made_for);
     assert_eq!(committed.elements.len(), made.elements.len());

@@ -1,10 +1,11 @@
 //! Fingertips with markers: images compared with the elastic model, and the experiments that use them.
 
-use super::optics::picture;
+use super::optics::{of_experiment, picture};
+use crate::experiment_file::text;
+use feeler::sensor::calibration::Calibration;
 use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::locate::{LocateConfig, Polarity, ReferencePicture, locate};
 use feeler::sensor::moments::ElementMoments;
-use feeler_lab::config::Experiment;
 use feeler_sim::bench::{
     CalibrationBenchConfig, CalibrationBenchError, Load, load_simulated, take_pictures,
 };
@@ -14,15 +15,12 @@ use glam::{DVec2, DVec3};
 const FINGERTIPS: [&str; 3] = ["cap-closing-pins", "cap-closing-fibres", "cap-closing-gel"];
 
 fn fingertip(experiment: &str) -> (Fingertip, OpticsConfig) {
-    let config = Experiment::load(experiment, &[]).unwrap().config;
-    let fingertip = Fingertip::new(&config.sensor.fingertip).unwrap();
-    let optics = config.simulation().unwrap().optics.clone();
-    (fingertip, optics)
+    let (fingertip, optics) = of_experiment(experiment);
+    (Fingertip::new(&fingertip).unwrap(), optics)
 }
 
 fn dark_level(experiment: &str) -> u8 {
-    let config = Experiment::load(experiment, &[]).unwrap().config;
-    config.sensor.fingertip.moments.dark_level
+    of_experiment(experiment).0.moments.dark_level
 }
 
 /// A fingertip without noise and vignetting, with markers modified by `change`.
@@ -227,18 +225,14 @@ fn the_elements_are_located_in_the_image() {
 /// Loads are applied to patches: all elements of a patch bear the same load, independent of their frames.
 #[test]
 fn loads_are_applied_to_patches() {
-    let config = Experiment::load("cap-closing-pins", &[]).unwrap().config;
-    let (fingertip, optics) = (
-        &config.sensor.fingertip,
-        &config.simulation().unwrap().optics,
-    );
+    let (fingertip, optics) = of_experiment("cap-closing-pins");
     let bench = CalibrationBenchConfig {
         cycles: 1,
-        ..CalibrationBenchConfig::of_fingertip(fingertip, optics, 10)
+        ..CalibrationBenchConfig::of_fingertip(&fingertip, &optics, 10)
     };
     assert!(bench.contact_radius > 0.0 && bench.largest_normal < 1.0);
     let mut patches = Vec::new();
-    take_pictures(fingertip, optics, &bench, |_, loads| {
+    take_pictures(&fingertip, &optics, &bench, |_, loads| {
         let mut normals: Vec<f64> = loads.iter().map(|load| load.force().z).collect();
         normals.sort_by(f64::total_cmp);
         normals.dedup();
@@ -264,20 +258,16 @@ fn loads_are_applied_to_patches() {
 #[test]
 fn the_calibrations_are_reproducible() {
     for experiment in FINGERTIPS {
-        let experiment = Experiment::load(experiment, &[]).unwrap();
-        let config = &experiment.config;
-        let (fingertip, optics) = (
-            &config.sensor.fingertip,
-            &config.simulation().unwrap().optics,
-        );
-        let committed = experiment.calibration(0).unwrap();
-        let bench = CalibrationBenchConfig::of_fingertip(fingertip, optics, 150);
-        let records = load_simulated(fingertip, optics, &bench).unwrap();
-        let made_for = feeler::sensor::fingertip::CalibrationTarget::fingertip(fingertip).unwrap();
+        let (fingertip, optics) = of_experiment(experiment);
+        let committed = text(&format!("experiments/{experiment}.calibration.toml"));
+        let committed = Calibration::from_toml(&committed).unwrap();
+        let bench = CalibrationBenchConfig::of_fingertip(&fingertip, &optics, 150);
+        let records = load_simulated(&fingertip, &optics, &bench).unwrap();
+        let made_for = feeler::sensor::fingertip::CalibrationTarget::fingertip(&fingertip).unwrap();
         let model = feeler::sensor::calibration::ModelChoice::Auto;
         let made =
             feeler::sensor::calibration::fit(made_for, &records, model, bench.full_scale).unwrap();
-        assert_eq!(committed.made_for, made.made_for, "{}", config.name);
+        assert_eq!(committed.made_for, made.made_for, "{experiment}");
         for (element, record) in records.iter().enumerate() {
             for sample in record.held_out.iter().take(20) {
                 let forces =
@@ -285,7 +275,7 @@ fn the_calibrations_are_reproducible() {
                 // Sine and cosine differ in the last bit between machines, which the fit amplifies; a change of optics
                 // or loads exceeds 1e-3.
                 let off = forces[0].distance(forces[1]);
-                assert!(off < 1e-6, "{}, element {element}: {forces:?}", config.name);
+                assert!(off < 1e-6, "{experiment}, element {element}: {forces:?}");
             }
         }
     }
@@ -330,8 +320,7 @@ fn any_force_is_rendered() {
 /// The spacing of a grid along the dome equals its spacing in the plane.
 #[test]
 fn a_grid_is_centred_on_the_apex() {
-    let config = Experiment::load("cap-closing-gel", &[]).unwrap().config;
-    let layout = &config.sensor.fingertip.layout;
+    let layout = of_experiment("cap-closing-gel").0.layout;
     let (fingertip, _) = fingertip("cap-closing-gel");
     let grid = layout.grid.as_ref().expect("a grid");
     let normal = |index: usize| fingertip.layout.elements[index].normal();

@@ -1,21 +1,17 @@
 //! Worlds with free bodies.
 
-use feeler::hand::{FingerGeometry, JointVector};
-use feeler::sensor::fingertip::ElementLayout;
-use feeler_lab::config::Experiment;
+use crate::rig;
+use feeler::hand::JointVector;
 use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
 use feeler_sim::shapes::shape::ShapeConfig;
 use feeler_sim::world::{SimConfig, World};
 use std::path::Path;
 
-const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
-
 pub const GRAVITY: f64 = 9.81;
 
 /// The reference rig without objects and variation.
 pub fn empty() -> SimConfig {
-    let experiment = Experiment::load(RIG, &[]).expect("the rig");
-    let mut sim = experiment.config.sim.expect("a simulated world");
+    let mut sim = rig::sim();
     sim.object.clear();
     sim.variation.friction = 0.0;
     sim
@@ -57,12 +53,7 @@ pub fn world(sim: &SimConfig) -> World {
 
 /// A world with the first `count` reference fingers, whose fingertips the test positions.
 pub fn world_with_fingers(sim: &SimConfig, count: usize) -> World {
-    let experiment = Experiment::load(RIG, &[]).expect("the rig");
-    let config = &experiment.config;
-    let layout = ElementLayout::new(&config.sensor.fingertip.layout);
-    let fingers: Vec<_> = (config.hand.finger.iter().take(count))
-        .map(|f| (FingerGeometry::of(f).expect("a finger"), layout.clone()))
-        .collect();
+    let fingers = rig::fingers(count);
     let joints = vec![JointVector::from([0.0, 1.0, -1.0]); count];
     World::new(sim, &fingers, &joints, Path::new(""), 0).expect("a world")
 }

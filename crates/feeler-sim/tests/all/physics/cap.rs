@@ -1,7 +1,6 @@
 //! Cap on its thread: descent, tightening and loosening.
 
-use super::reference::{commands, experiment, replay, world};
-use feeler_sim::objects::{FingerLoad, Hinge, Motion, PlaySpring, Pose, ThreadConfig, Turn};
+use feeler_sim::objects::{FingerLoad, Hinge, PlaySpring, Pose, ThreadConfig, Turn};
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 
@@ -84,37 +83,4 @@ fn a_tightened_cap_comes_loose_and_gives_back_no_energy() {
         );
         assert!(cap.angle < 0.0, "{cap:?}");
     }
-}
-
-#[test]
-fn the_hand_turns_a_seated_cap_loose_without_upsetting_the_world() {
-    let experiment = experiment(&[
-        "sim.object.cap.motion.thread.seat_angle=0",
-        "sim.variation.seat_angle=0",
-        "task.screw.strokes=2",
-        "task.screw.finger.0.stroke=[0.0, 1.0, 0.0]",
-        "task.screw.finger.1.stroke=[0.0, -1.0, 0.0]",
-        "task.screw.finger.0.home=[-0.038, 0.001, 0.1]",
-        "task.screw.finger.1.home=[0.038, -0.001, 0.1]",
-    ]);
-    let commands = commands(&experiment);
-    let mut world = world(&experiment, &commands.start);
-    let mut angle = 0.0;
-    replay(&mut world, &commands, |world, _| {
-        let (cap, object) = (&world.state().objects[0], &world.model().objects[0]);
-        let Motion::Turns(Hinge { thread, .. }) = &object.motion else {
-            panic!("the cap is on a thread");
-        };
-        let fingers = world.state().fingers.iter();
-        assert!(fingers.flat_map(|f| &f.forces).all(|f| f.is_finite()));
-        assert!(cap.turn.torque.abs() <= thread.static_factor * thread.running_torque + 1e-8);
-        // The cap only turns in the opening direction, against its running torque alone.
-        let now = cap.turn.angle;
-        assert!(now <= angle + 1e-4, "{now} after {angle} rad");
-        angle = now;
-        let descent = thread.lead * angle / TAU;
-        let height = cap.pose.position.z;
-        assert!((height - (object.start.position.z - descent)).abs() < 1e-15);
-    });
-    assert!(angle < -0.3, "{angle} rad");
 }

@@ -2,7 +2,7 @@
 //!
 //! `references/mujoco_cap_*.json` contain MuJoCo's results; `references/mujoco_cap.py` regenerates them.
 
-use super::mujoco_scene::{Reference, Scene, reference};
+use crate::mujoco_scene::{Reference, Scene, reference};
 use glam::DVec3;
 
 /// Deviation of feeler from MuJoCo.

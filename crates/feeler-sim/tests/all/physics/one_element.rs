@@ -1,5 +1,6 @@
 //! A fingertip with a single element on a fixed cap: the contact law within a complete world.
 
+use crate::rig;
 use feeler::hand::{FingerConfig, FingerGeometry, JointVector, resolved_rate};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use feeler_sim::objects::MotionConfig;
@@ -7,8 +8,6 @@ use feeler_sim::shapes::shape::ShapeConfig;
 use feeler_sim::world::World;
 use glam::DVec3;
 use std::path::Path;
-
-use super::reference::experiment;
 
 const STEP: f64 = 0.001;
 const SPEED: f64 = 0.010;
@@ -21,7 +20,7 @@ const CAP_RADIUS: f64 = 0.05;
 /// Its links are 1 m long, so that it hardly tilts within a millimetre. Its only feeler points along x at the cap's
 /// axis and just touches the cap.
 fn one_element() -> World {
-    let mut sim = experiment(&[]).config.sim.expect("a simulated world");
+    let mut sim = rig::sim();
     sim.step = STEP;
     sim.servo.lag = 0.0;
     sim.variation.bottle_position = 0.0;

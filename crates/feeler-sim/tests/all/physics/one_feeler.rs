@@ -1,14 +1,12 @@
 //! A fingertip with a single feeler in front of a flat face, at poses set by the test.
 
-use feeler::hand::FingerGeometry;
+use crate::rig;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use feeler_sim::contact::FeelerConfig;
 use feeler_sim::objects::Pose;
 use feeler_sim::world::{SimConfig, World};
 use glam::{DMat3, DVec3};
 use std::path::Path;
-
-use super::reference::experiment;
 
 /// Physics step (s).
 pub const STEP: f64 = 0.001;
@@ -26,8 +24,7 @@ impl OneFeeler {
     /// Creates the reference rig, modified by `change` and without variation, with the object's face at `face` (m)
     /// along x.
     pub fn new(face: f64, change: impl FnOnce(&mut SimConfig)) -> Self {
-        let config = experiment(&[]).config;
-        let mut sim = config.sim.expect("a simulated world");
+        let mut sim = rig::sim();
         sim.step = STEP;
         sim.variation.bottle_position = 0.0;
         sim.variation.friction = 0.0;
@@ -43,7 +40,7 @@ impl OneFeeler {
             }],
             grid: None,
         });
-        let finger = FingerGeometry::of(&config.hand.finger[0]).expect("a finger");
+        let (finger, _) = rig::fingers(1).remove(0);
         let joints = [[0.0, 1.0, -1.0].into()];
         let fingers = [(finger, layout)];
         let world = World::new(&sim, &fingers, &joints, Path::new(""), 0).expect("a world");

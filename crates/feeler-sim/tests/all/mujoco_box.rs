@@ -2,10 +2,10 @@
 //!
 //! `references/mujoco_box.json` contains MuJoCo's results; `references/mujoco_box.py` regenerates it.
 
-use feeler_lab::config::Experiment;
+use crate::experiment_file::read;
 use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
 use feeler_sim::shapes::ShapeConfig;
-use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, World};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -36,7 +36,10 @@ struct Case {
 }
 
 fn reference() -> Reference {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/references/mujoco_box.json");
+    let file = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/references/mujoco_box.json"
+    );
     let text = std::fs::read_to_string(file).expect("the reference");
     serde_json::from_str(&text).expect("a reference")
 }
@@ -53,8 +56,7 @@ fn object(shape: ShapeConfig, motion: MotionConfig) -> ObjectConfig {
 }
 
 fn world(header: &Header, case: &Case) -> World {
-    let experiment = Experiment::load("cap-closing", &[]).expect("an experiment");
-    let mut sim = experiment.config.sim.expect("a simulated world");
+    let mut sim: SimConfig = read("experiments/cap-closing.toml", "sim");
     let shape = ShapeConfig::Box {
         size: header.half_size.map(|h| 2.0 * h),
     };

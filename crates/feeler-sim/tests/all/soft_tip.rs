@@ -4,7 +4,7 @@
 //! Springs of equal normal and shear stiffness act like `K d` in any direction, so formulas hold for inclined ones too. On
 //! a sphere, equal areas have equal ranges of compression, which is therefore uniform between 0 and the depth.
 
-use super::scene::{DEPTH, FRICTION, RADIUS, SoftTip, dense_layout, reference_layout};
+use crate::soft_tip_scene::{DEPTH, FRICTION, RADIUS, SoftTip, dense_layout, reference_layout};
 use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use std::f64::consts::TAU;

@@ -1,5 +1,6 @@
 //! Simulated images, compared with their physical model.
 
+use crate::experiment_file::read;
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::image::Picture;
 use feeler::sensor::moments::ElementMoments;
@@ -16,6 +17,12 @@ fn fingertip() -> Fingertip {
 
 fn model(fingertip: &Fingertip, config: &OpticsConfig) -> OpticsModel {
     OpticsModel::new(config, &fingertip.layout, &fingertip.projection).unwrap()
+}
+
+/// Fingertip of a built-in experiment and its optics.
+pub fn of_experiment(name: &str) -> (FingertipConfig, OpticsConfig) {
+    let file = format!("experiments/{name}.toml");
+    (read(&file, "sensor.fingertip"), read(&file, "sim.optics"))
 }
 
 /// Renders an image of 640x480 px with these `forces` (N) on the elements.

@@ -2,13 +2,13 @@
 //!
 //! The fingertip's axis (x of `T`) points down. The elements' stiffness is fitted to an elastic half-space at one depth.
 
+use crate::experiment_file::read;
 use feeler::hand::{FingerConfig, FingerGeometry, JointVector};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
-use feeler_lab::config::Experiment;
 use feeler_sim::contact::FeelerConfig;
 use feeler_sim::objects::{MotionConfig, ObjectConfig, Pose};
 use feeler_sim::shapes::shape::ShapeConfig;
-use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, World};
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -116,8 +116,7 @@ impl SoftTip {
     /// Elements of this normal and shear `stiffness` (N/m).
     pub fn with_stiffness(layout: ElementLayout, stiffness: [f64; 2], step: f64) -> Self {
         let [normal_stiffness, shear_stiffness] = stiffness;
-        let experiment = Experiment::load("cap-closing", &[]).expect("an experiment");
-        let mut sim = experiment.config.sim.expect("a simulated world");
+        let mut sim: SimConfig = read("experiments/cap-closing.toml", "sim");
         sim.step = step;
         sim.variation.friction = 0.0;
         sim.feeler = FeelerConfig {

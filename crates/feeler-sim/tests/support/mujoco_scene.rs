@@ -1,11 +1,11 @@
 //! Scene of `references/mujoco_cap.py`: two fingertips turn a cap under a motion prescribed over time.
 
+use crate::experiment_file::read;
 use feeler::hand::{FingerConfig, FingerGeometry, JointVector, fingertip_pose};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
-use feeler_lab::config::Experiment;
 use feeler_sim::objects::{MotionConfig, Pose, ThreadConfig};
 use feeler_sim::shapes::shape::ShapeConfig;
-use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, World};
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -72,8 +72,7 @@ pub struct Scene {
 
 impl Scene {
     pub fn new(header: &Header, time_step: f64) -> Self {
-        let experiment = Experiment::load("cap-closing", &[]).expect("an experiment");
-        let mut sim = experiment.config.sim.expect("a simulated world");
+        let mut sim: SimConfig = read("experiments/cap-closing.toml", "sim");
         sim.step = time_step;
         sim.torque_sensor.stiffness = 1e9;
         sim.variation.bottle_position = 0.0;
@@ -151,7 +150,10 @@ impl Scene {
 
 /// Loads the reference called `name`.
 pub fn reference(name: &str) -> Reference {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/references");
+    let folder = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../feeler-sim/tests/references"
+    );
     let text = std::fs::read_to_string(format!("{folder}/mujoco_cap_{name}.json"));
     serde_json::from_str(&text.expect("the reference")).expect("a reference")
 }
