@@ -13,7 +13,7 @@ mod sim_physics;
 #[path = "../support/skip.rs"]
 mod skip;
 mod slip_on_a_cap;
-#[path = "../support/mod.rs"]
+#[path = "../../../feeler-record/tests/support/mod.rs"]
 mod support;
 mod sweep;
 #[path = "../support/runs.rs"]

@@ -1,7 +1,5 @@
 //! Playback of recorded images by a camera.
 
-// Only the constants of the synthetic run are used.
-#[allow(dead_code)]
 use crate::support;
 use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler_record::{

@@ -1,11 +1,9 @@
 //! Recordings read in parts, compared with the same recordings in memory.
 
 use crate::support;
-use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{Pictures, Session};
-use feeler_record::{MemoryRecorder, Recorder, Recording, RunLog};
+use feeler_record::{Recorder, Recording};
 use feeler_report::measures::CapMeasures;
-use feeler_report::run::{RunRecorder, make, page_of, read, read_within};
+use feeler_report::run::{make, page_of, read, read_within};
 use feeler_report::{RunData, Summary, tasks};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -70,34 +68,6 @@ fn a_run_of_ordinary_length_reads_like_one_in_memory() {
         );
         assert!(shares.len() > 2 && shares.is_sorted() && shares.iter().all(|s| *s <= 1.0));
     }
-}
-
-#[test]
-fn columns_built_while_recording_equal_those_from_memory() {
-    let settings = ["sensing=direct", "task.screw.strokes=2"].map(String::from);
-    let experiment = Experiment::load("cap-closing", &settings).expect("an experiment");
-    let mut session = Session::drawing(&experiment, Pictures::Sensed).expect("a session");
-    let facts = session.facts(&experiment.config);
-    let mut whole = RunLog::new(MemoryRecorder::new(&facts).unwrap(), &facts).unwrap();
-    let mut columns = RunLog::new(RunRecorder::new(&facts).unwrap(), &facts).unwrap();
-    while !session.finished() {
-        let instruments = session.step().expect("a step");
-        let control_loop = session.control_loop();
-        instruments.record(control_loop, &mut whole).unwrap();
-        instruments.record(control_loop, &mut columns).unwrap();
-    }
-    let whole = whole.into_recorder().into_recording();
-    let expected = RunData::new(&whole);
-    let (recording, data) = columns.into_recorder().finish();
-    assert_eq!(text(&data), text(&expected));
-    let summaries = [(&recording, &data), (&whole, &expected)];
-    let [summary, expected] =
-        summaries.map(|(recording, data)| text(&Summary::new(recording, data)));
-    assert_eq!(summary, expected);
-    assert!(
-        recording.task.len() < 10,
-        "expected fewer task rows in memory"
-    );
 }
 
 #[test]

@@ -8,8 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-#[path = "support/mod.rs"]
-#[allow(dead_code, reason = "not every test program needs all of it")]
+#[path = "../../feeler-record/tests/support/mod.rs"]
 mod support;
 
 /// Currently allocated bytes, and their maximum.

@@ -1,5 +1,6 @@
 //! Reports of synthetic runs on rigs with few or no instruments besides the hand, as on real rigs.
 
+use super::report::document;
 use crate::support::{self, REAL, Rig};
 use feeler_record::{FindingName, Findings, Recording, TaskKind, TaskOutcome};
 use feeler_report::run::make;
@@ -46,7 +47,7 @@ fn texts(directory: &Path, figure: &str) -> String {
 fn written(outcome: &ReportOutcome) -> (String, String) {
     let [page, json] =
         [&outcome.report_path, &outcome.summary_path].map(|path| fs::read_to_string(path).unwrap());
-    let page = support::document(&page);
+    let page = document(&page);
     assert!(!page.contains("NaN") && !json.contains("NaN"));
     (page, json)
 }

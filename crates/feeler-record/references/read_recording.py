@@ -1,9 +1,9 @@
 """Reads a recording with the MCAP project's Python packages and prints a summary as JSON.
 
     pip install mcap mcap-ros2-support
-    python crates/feeler-lab/references/read_recording.py runs/NAME/recording.mcap
+    python crates/feeler-record/references/read_recording.py runs/NAME/recording.mcap
 
-`tests/all/record/mcap_tools.rs` compares the summary with feeler's own reader.
+`tests/all/mcap_tools.rs` compares the summary with feeler's own reader.
 """
 
 import json

@@ -4,7 +4,7 @@
 //! `python3`). Without them the test is reported as skipped, or fails if
 //! `FEELER_REQUIRE_ALL` is set.
 
-use super::python::read_by;
+use crate::python::read_by;
 use crate::support;
 use feeler::sensor::image::Frame;
 use feeler_record::wire::Message;
