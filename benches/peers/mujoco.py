@@ -1,7 +1,7 @@
 """Compares the time per simulated second of MuJoCo's cap scene and feeler's, in the same run.
 
 Usage: mujoco.py FEELER_TXT, the output of the bench `physics_of_mujocos_scene`. Both simulate the scene and the motion of
-`crates/feeler-lab/references/mujoco_cap.py`, 5 s of two fingertips of 41 elements that turn a cap. feeler's step is 1 ms;
+`crates/feeler-sim/tests/references/mujoco_cap.py`, 5 s of two fingertips of 41 elements that turn a cap. feeler's step is 1 ms;
 MuJoCo requires 0.5 ms for a fair comparison.
 """
 
@@ -19,7 +19,7 @@ def main(path):
     # Columns: fastest, slowest, median, mean.
     value, unit = re.findall(r"([0-9.]+) (ns|µs|us|ms)\b", line)[2]
     own_us = float(value) * UNITS[unit] / STEPS
-    script = pathlib.Path(__file__).parents[2] / "crates/feeler-lab/references/mujoco_cap.py"
+    script = pathlib.Path(__file__).parents[2] / "crates/feeler-sim/tests/references/mujoco_cap.py"
     mean_us, median_us = map(float, subprocess.check_output([sys.executable, script, "--time"], text=True).split())
     own, theirs = own_us * 1e-3 / FEELER_STEP, median_us * 1e-3 / MUJOCO_STEP
     print(f"feeler  {own_us:8.2f} us per step of {1e3 * FEELER_STEP} ms, {own:8.2f} ms per simulated second")

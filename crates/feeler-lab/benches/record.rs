@@ -1,7 +1,6 @@
 //! Time of recording all messages of a control step with two fingers of 41 elements.
 
-#[path = "../tests/support/mod.rs"]
-#[allow(dead_code)]
+#[path = "../../feeler-record/tests/support/mod.rs"]
 mod support;
 
 use feeler_lab::config::Experiment;

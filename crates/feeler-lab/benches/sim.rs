@@ -10,7 +10,9 @@ use feeler_record::{Recorder, RunLog};
 use feeler_sim::world::World;
 use glam::{DMat3, DVec3};
 
-#[path = "../tests/support/mujoco_scene.rs"]
+#[path = "../../feeler-sim/tests/support/experiment_file.rs"]
+mod experiment_file;
+#[path = "../../feeler-sim/tests/support/mujoco_scene.rs"]
 #[allow(dead_code)]
 mod mujoco_scene;
 

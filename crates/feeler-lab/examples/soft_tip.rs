@@ -7,7 +7,9 @@
 //! python3 benches/peers/soft_tip/scene.py --motions | cargo run --release --example soft_tip -- dense > feeler.json
 //! ```
 
-#[path = "../tests/support/soft_tip.rs"]
+#[path = "../../feeler-sim/tests/support/experiment_file.rs"]
+mod experiment_file;
+#[path = "../../feeler-sim/tests/support/soft_tip.rs"]
 mod soft_tip;
 
 use serde::Deserialize;

@@ -1,6 +1,6 @@
 //! Integration tests of this crate, linked as one program, except those that require a separate process.
 //!
-//! They run under an allocator that aborts the process if the control path or the sensor allocates.
+//! They run under an allocator that aborts the process if the control path allocates.
 
 mod control_contract;
 mod environment;
@@ -9,15 +9,11 @@ mod needed_grip;
 mod own_task;
 mod record;
 mod runs;
-mod sensor;
-mod sensor_allocation;
-mod sim;
-mod sim_bodies;
 mod sim_physics;
 #[path = "../support/skip.rs"]
 mod skip;
 mod slip_on_a_cap;
-#[path = "../support/mod.rs"]
+#[path = "../../../feeler-record/tests/support/mod.rs"]
 mod support;
 mod sweep;
 #[path = "../support/runs.rs"]

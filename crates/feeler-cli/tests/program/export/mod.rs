@@ -6,7 +6,7 @@
 mod data_sets;
 #[path = "../../../../feeler-export/tests/support/mod.rs"]
 mod made_up;
-#[path = "../../../../feeler-lab/tests/all/record/python.rs"]
+#[path = "../../../../feeler-record/tests/support/python.rs"]
 mod python;
 mod refused;
 mod tables;

@@ -1,19 +1,9 @@
-//! Recordings: writing, reading (also by other tools), reports and replay.
+//! Recordings of whole runs: read by other tools, rewritten and replayed.
 
-mod claims;
-mod digest;
-mod figures;
-mod long_run;
-mod mcap_tools;
-mod page_contract;
-mod page_data;
+mod live_columns;
+#[path = "../../../../feeler-record/tests/support/python.rs"]
 mod python;
-mod real_rig;
-mod recorded_camera;
-mod recording;
 mod replay;
-mod report;
 mod rewritten;
-mod strokes;
 mod tactile_array;
 mod viewers;
