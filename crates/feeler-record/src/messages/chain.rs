@@ -1,8 +1,6 @@
 //! Wire format of [`Joints`] and [`Command`] for fingers that do not have three joints.
 
 use super::channels::{Command, Joints, Stamped};
-use super::topic::{RecordedMessage, decode_stamped};
-use crate::reading::recording::{PictureAt, Recording};
 use crate::wire::Vector3;
 use crate::{message, vector3_schema};
 use feeler::hand::{JointVector, MAX_JOINTS};
@@ -98,28 +96,6 @@ impl TryFrom<ChainCommand> for Command {
         })
     }
 }
-
-/// Implements [`RecordedMessage`] for wire formats, whose messages are stored as another type.
-macro_rules! stored_as {
-    ($($wire:ident as $stored:ident),+) => {
-        $(impl RecordedMessage for $wire {
-            fn read_into(
-                recording: &mut Recording,
-                finger: Option<usize>,
-                bytes: &[u8],
-                _: PictureAt,
-            ) -> Result<(), String> {
-                let message = $stored::try_from(decode_stamped::<Self>(bytes)?)?;
-                if let Some(list) = $stored::list(recording, finger) {
-                    list.push(message);
-                }
-                Ok(())
-            }
-        })+
-    };
-}
-
-stored_as!(ChainJoints as Joints, ChainCommand as Command);
 
 #[cfg(test)]
 mod tests {

@@ -1,8 +1,6 @@
 //! Message with the rumble and the tone that the live page played.
 
 use super::channels::Stamped;
-use super::topic::RecordedMessage;
-use crate::reading::recording::Recording;
 use crate::wire::message;
 use serde::{Deserialize, Serialize};
 
@@ -56,14 +54,5 @@ impl Felt {
 impl Stamped for Felt {
     fn stamp(&self) -> f64 {
         self.stamp
-    }
-}
-
-/// Not part of the digest, because watching does not change a run.
-impl RecordedMessage for Felt {
-    const DERIVED: bool = true;
-
-    fn list(recording: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
-        Some(&mut recording.felt)
     }
 }

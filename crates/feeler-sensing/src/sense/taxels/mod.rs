@@ -26,8 +26,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use table::Table;
 
-pub use table::SERIAL;
-
 /// Senses all rows of the table in `options`, or those until `interrupted`.
 pub fn sense(
     options: &SenseOptions,

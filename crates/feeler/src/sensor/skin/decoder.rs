@@ -1,5 +1,6 @@
 //! Decodes the bytes of a skin.
 
+use super::step::Step;
 use super::{SerialConfig, SkinProtocol};
 use super::{flexitac, magnetometers, paxini};
 use glam::DVec3;
@@ -8,22 +9,6 @@ use glam::DVec3;
 const READ: usize = 4096;
 /// Frames that a decoder may look at to find the beginning of one.
 const FRAMES: usize = 8;
-
-/// Next step of decoding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Step {
-    /// More bytes are required.
-    Wait,
-    /// This number of bytes is not part of a frame.
-    Skip(usize),
-    /// A frame begins at byte `first`, and decoding continues at byte `end`.
-    Frame {
-        /// Index of the frame's first byte.
-        first: usize,
-        /// Number of bytes to remove.
-        end: usize,
-    },
-}
 
 #[derive(Debug, Clone)]
 enum Format {

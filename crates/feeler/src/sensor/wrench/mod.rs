@@ -21,6 +21,7 @@ pub mod estimator;
 pub mod fit;
 pub mod forces;
 mod learn;
+mod model;
 pub mod moments;
 pub mod novelty;
 pub mod passport;
