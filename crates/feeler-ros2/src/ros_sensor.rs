@@ -140,10 +140,7 @@ impl RosSensor {
     /// # Errors
     /// Same as [`read`](TactileSensor::read).
     pub fn read_measured(&self, reading: &mut TactileFrame) -> Result<Instant, SensorError> {
-        let (expected, actual) = (self.elements, reading.forces.len());
-        if actual != expected {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        reading.check_elements(self.elements)?;
         let newest = lock(&self.heard.newest);
         (reading.sequence, reading.stamp) = (newest.frame.sequence, newest.frame.stamp);
         let (stamp, arrived) = (newest.frame.stamp, newest.arrived);

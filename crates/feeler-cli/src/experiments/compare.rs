@@ -4,17 +4,17 @@ pub mod arguments;
 pub mod laws;
 
 use super::compare_grips::compare_grips;
-use super::contenders::{Contender, contenders, run, under_law};
+use super::contenders::{Contender, close, contenders, run, under_law};
 use crate::{CommandError, Outcome};
 pub use arguments::Arguments;
 use arguments::PAGE;
 use feeler::control::law::LawConfig;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::{Experiment, ExperimentConfig};
+use feeler_lab::sweep::Plan;
 use feeler_lab::sweep::analysis::{Candidate, Goal, compare as compare_laws};
 use feeler_lab::sweep::results::write_whole;
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, Plan};
 use feeler_report::pages::{ComparePage, compare_page, number};
 use std::io::Write;
 
@@ -56,17 +56,7 @@ fn compare_caps(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, C
         print(&page, out)?;
         writeln!(out, "{}", path.display())?;
     }
-    if ended == Ended::Stopped {
-        writeln!(
-            out,
-            "interrupted: {finished} trials of every law are finished and saved; continue with the same command and --resume"
-        )?;
-        return Ok(Outcome::GivenUp);
-    }
-    for contender in contenders {
-        contender.store.finish()?;
-    }
-    Ok(Outcome::Done)
+    close(contenders, ended, finished, out)
 }
 
 fn goal(arguments: &Arguments) -> Result<Goal, CommandError> {

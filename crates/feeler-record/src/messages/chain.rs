@@ -1,6 +1,6 @@
 //! Wire format of [`Joints`] and [`Command`] for fingers that do not have three joints.
 
-use super::channels::{Command, Joints, Stamped};
+use super::channels::{Command, Joints, stamped};
 use crate::wire::Vector3;
 use crate::{message, vector3_schema};
 use feeler::hand::{JointVector, MAX_JOINTS};
@@ -53,17 +53,7 @@ message!(
     vector3_schema!(),
 );
 
-impl Stamped for ChainJoints {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
-
-impl Stamped for ChainCommand {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
+stamped!(ChainJoints, ChainCommand);
 
 /// Converts recorded numbers of joints.
 fn joints(values: &[f64]) -> Result<JointVector, String> {

@@ -1,6 +1,6 @@
 //! Message with the efforts of one finger's drives.
 
-use super::channels::Stamped;
+use super::channels::stamped;
 use crate::message;
 use feeler::hand::{JointEfforts, JointVector, MAX_JOINTS};
 use serde::{Deserialize, Serialize};
@@ -56,11 +56,7 @@ impl Efforts {
     }
 }
 
-impl Stamped for Efforts {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
+stamped!(Efforts);
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,6 @@
 //! Message with the rumble and the tone that the live page played.
 
-use super::channels::Stamped;
+use super::channels::stamped;
 use crate::wire::message;
 use serde::{Deserialize, Serialize};
 
@@ -51,8 +51,4 @@ impl Felt {
     }
 }
 
-impl Stamped for Felt {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
+stamped!(Felt);

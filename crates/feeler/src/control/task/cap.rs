@@ -286,21 +286,7 @@ impl Task for CapTask {
         }
     }
 
-    fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    fn stroke(&self) -> u32 {
-        self.stroke
-    }
-
-    fn findings(&self) -> &[Finding] {
-        &self.findings
-    }
-
-    fn outcome(&self) -> Option<&'static str> {
-        self.outcome
-    }
+    accessors!(phase, stroke, findings, outcome);
 
     fn failed(&self) -> bool {
         self.outcome

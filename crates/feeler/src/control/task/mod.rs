@@ -15,6 +15,33 @@ macro_rules! defaults {
     };
 }
 
+/// Implements methods of [`Task`] that return the field of the same name.
+macro_rules! accessors {
+    (@phase) => {
+        fn phase(&self) -> $crate::control::phase::Phase {
+            self.phase
+        }
+    };
+    (@stroke) => {
+        fn stroke(&self) -> u32 {
+            self.stroke
+        }
+    };
+    (@findings) => {
+        fn findings(&self) -> &[$crate::control::task::Finding] {
+            &self.findings
+        }
+    };
+    (@outcome) => {
+        fn outcome(&self) -> Option<&'static str> {
+            self.outcome
+        }
+    };
+    ($($field:ident),+) => {
+        $(accessors!(@$field);)+
+    };
+}
+
 pub mod cap;
 pub mod cap_config;
 mod cap_estimator;

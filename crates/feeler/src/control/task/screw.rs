@@ -136,13 +136,7 @@ impl Task for ScrewTask {
         }
     }
 
-    fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    fn stroke(&self) -> u32 {
-        self.stroke
-    }
+    accessors!(phase, stroke);
 }
 
 impl Path {

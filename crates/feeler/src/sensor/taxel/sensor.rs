@@ -110,10 +110,7 @@ impl<R: BufRead> TactileSensor for TaxelSensor<R> {
 
     /// Waits for the next row. Neither allocates nor panics.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let (expected, actual) = (self.element_count(), reading.forces.len());
-        if expected != actual {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        reading.check_elements(self.element_count())?;
         match self.rows.next(&mut self.row) {
             Ok(true) => {}
             Ok(false) => {

@@ -270,17 +270,7 @@ impl Task for Carry {
         }
     }
 
-    fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    fn findings(&self) -> &[Finding] {
-        &self.findings
-    }
-
-    fn outcome(&self) -> Option<&'static str> {
-        self.outcome
-    }
+    accessors!(phase, findings, outcome);
 
     fn failed(&self) -> bool {
         self.outcome.is_some_and(|outcome| outcome != "carried")

@@ -250,21 +250,7 @@ impl Task for FrictionScan {
         }
     }
 
-    fn phase(&self) -> Phase {
-        self.phase
-    }
-
-    fn stroke(&self) -> u32 {
-        self.stroke
-    }
-
-    fn findings(&self) -> &[Finding] {
-        &self.findings
-    }
-
-    fn outcome(&self) -> Option<&'static str> {
-        self.outcome
-    }
+    accessors!(phase, stroke, findings, outcome);
 
     fn failed(&self) -> bool {
         self.outcome.is_some_and(|outcome| outcome != "measured")
