@@ -74,11 +74,6 @@ impl<C: Clock> FixedRate<C> {
         })
     }
 
-    /// Control period (s).
-    pub fn period(&self) -> f64 {
-        self.period
-    }
-
     /// Next deadline, in s since the start.
     pub fn deadline(&self) -> f64 {
         self.since_start(self.next).as_secs_f64()

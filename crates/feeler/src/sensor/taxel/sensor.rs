@@ -1,8 +1,6 @@
 //! Tactile sensor that reads a taxel array's table.
 
-use super::{
-    Place, TaxelChain, TaxelError, TaxelLayout, TaxelRow, TaxelRows, TaxelUnit, Trouble, Troubles,
-};
+use super::{Place, TaxelChain, TaxelError, TaxelLayout, TaxelRow, TaxelRows, Trouble, Troubles};
 use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
 use std::io::BufRead;
 
@@ -36,7 +34,6 @@ pub struct TaxelSensor<R> {
     rows: TaxelRows<R>,
     row: TaxelRow,
     chain: TaxelChain,
-    unit: TaxelUnit,
     /// `true` if the taxels without a zero in this sequence have been counted.
     zero_told: bool,
 }
@@ -53,14 +50,8 @@ impl<R: BufRead> TaxelSensor<R> {
             rows: TaxelRows::open(stream, layout, rate)?,
             row: TaxelRow::new(chain.element_count()),
             chain,
-            unit: layout.force_unit(),
             zero_told: false,
         })
-    }
-
-    /// Unit of the forces. Forces in counts can be compared with each other and with thresholds in counts.
-    pub fn unit(&self) -> TaxelUnit {
-        self.unit
     }
 
     /// Returns `true` if the current frame starts a sequence. Shear rates must not span two sequences.

@@ -39,7 +39,7 @@ pub mod verification;
 pub use calibration::{AxisModel, CalibrationOf, WrenchCalibration};
 pub use error::WrenchError;
 pub use estimator::{EstimatorOf, WrenchEstimate, WrenchEstimator};
-pub use fit::{FitOf, WrenchFit, fit};
+pub use fit::{FitOf, fit};
 pub use sample::{SampleOf, WrenchSample};
 pub use sensor::WrenchSensor;
 
