@@ -160,8 +160,8 @@ impl RosHand {
                     });
                 }
                 let first = first.unwrap_or_default();
-                let times = (config.most_age, most);
-                Drive::Gripper(Gripper::start(node, gripper, &first, times)?)
+                let most_age = config.most_age;
+                Drive::Gripper(Gripper::start(node, gripper, &first, most_age, most)?)
             }
         };
         Ok(Self {

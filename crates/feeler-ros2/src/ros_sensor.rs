@@ -61,7 +61,7 @@ impl RosSensor {
             Ok(())
         };
         let stamp = |message: &WrenchStamped| message.header.stamp;
-        Self::listen(node, (topic, 1), age, stamp, read)
+        Self::listen(node, topic, 1, age, stamp, read)
     }
 
     /// Creates a fingertip with this number of `elements` from the clouds on `topic`, read with [`read_forces`].
@@ -75,12 +75,13 @@ impl RosSensor {
         age: SensorAge,
     ) -> Result<Self, NodeError> {
         let stamp = |message: &PointCloud2| message.header.stamp;
-        Self::listen(node, (topic, elements), age, stamp, read_forces)
+        Self::listen(node, topic, elements, age, stamp, read_forces)
     }
 
     fn listen<M: Message + 'static>(
         node: &mut Node,
-        (topic, elements): (&str, usize),
+        topic: &str,
+        elements: usize,
         SensorAge { clock, most, speed }: SensorAge,
         stamp: fn(&M) -> Time,
         read: fn(&M, &mut [DVec3]) -> Result<(), CloudError>,

@@ -122,8 +122,8 @@ impl<R: BufRead> TaxelRows<R> {
                 }
                 self.refuse_decimal_commas(line).map_err(invalid)?;
             }
-            let cells = (line, &self.cells);
-            if self.values.read(&self.columns, cells, &mut self.troubles) {
+            let troubles = &mut self.troubles;
+            if self.values.read(&self.columns, line, &self.cells, troubles) {
                 self.take(line, row);
                 return Ok(true);
             }

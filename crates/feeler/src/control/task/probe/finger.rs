@@ -85,7 +85,9 @@ impl Finger {
     pub fn advance(
         &mut self,
         index: usize,
-        (step, place, elapsed): (Step, u32, f64),
+        step: Step,
+        place: u32,
+        elapsed: f64,
         sense: &FingerReadings<'_>,
         config: &ProbeConfig,
     ) -> Result<(), StopReason> {
@@ -101,7 +103,7 @@ impl Finger {
         if self.weak >= LOST {
             return Err(StopReason::ContactLost { finger: index });
         }
-        self.through |= self.has_reached((step, place, elapsed), sense, config);
+        self.through |= self.has_reached(step, place, elapsed, sense, config);
         Ok(())
     }
 
@@ -155,7 +157,9 @@ impl Finger {
     /// Returns whether the finger has reached the end of `step`, after `elapsed` seconds.
     fn has_reached(
         &self,
-        (step, place, elapsed): (Step, u32, f64),
+        step: Step,
+        place: u32,
+        elapsed: f64,
         finger: &FingerReadings<'_>,
         config: &ProbeConfig,
     ) -> bool {
@@ -180,12 +184,7 @@ impl Finger {
     }
 
     /// Velocity in `step` at `place` (m/s, in W); zero once the finger has completed the step.
-    pub fn velocity(
-        &self,
-        (step, place): (Step, u32),
-        position: DVec3,
-        config: &ProbeConfig,
-    ) -> DVec3 {
+    pub fn velocity(&self, step: Step, place: u32, position: DVec3, config: &ProbeConfig) -> DVec3 {
         if self.through {
             return DVec3::ZERO;
         }

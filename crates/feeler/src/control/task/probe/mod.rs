@@ -89,10 +89,9 @@ impl Probe {
 impl Task for Probe {
     fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let elapsed = hand.stamp - *self.since.get_or_insert(hand.stamp);
-        let now = (self.step, self.place, elapsed);
         let fingers = self.fingers.iter_mut().zip(hand.fingers());
         for (index, (finger, sense)) in fingers.enumerate() {
-            finger.advance(index, now, &sense, &self.config)?;
+            finger.advance(index, self.step, self.place, elapsed, &sense, &self.config)?;
         }
         let rests = self.step == Step::Rest && elapsed < REST;
         if !rests && self.fingers.iter().all(Finger::is_through) {
@@ -109,7 +108,7 @@ impl Task for Probe {
             return Plan::default();
         };
         Plan {
-            velocity: finger.velocity((self.step, self.place), pose.position, &self.config),
+            velocity: finger.velocity(self.step, self.place, pose.position, &self.config),
             towards_object: finger.towards_object(),
             ..Plan::default()
         }
