@@ -381,7 +381,7 @@ pub fn link(bytes: &[u8]) -> bool {
         ..expected.clone()
     };
     let mut longer = RigInbox::new((1, 2), 0.045, longer);
-    let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
+    let mut sense = SenseInbox::new(0, 2, (3, 2), expected);
     // A stop to resume.
     hand.holds.order(1, "operator");
     let (mut now, mut bytes, mut sound) = (0.0, bytes, false);

@@ -1,5 +1,10 @@
 //! The `feeler ros2` subcommand: a running rig or a recording as a node in a ROS 2 graph over Zenoh.
 
+#![cfg_attr(
+    not(feature = "ros2"),
+    allow(dead_code, reason = "this program has no ROS 2")
+)]
+
 use super::link::{ExperimentArguments, LinkArguments};
 use super::{CommandError, Outcome};
 use std::io::Write;
@@ -80,15 +85,7 @@ pub fn ros2(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
 /// Returns an error: this build has no ROS 2.
 #[cfg(not(feature = "ros2"))]
 pub fn ros2(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let Arguments {
-        what,
-        speed: _,
-        use_sim_time: _,
-        graph,
-        values: _,
-        link: _,
-    } = arguments;
-    Err(graph.not_built(&format!("ros2 {what}")))
+    Err(not_built(&format!("ros2 {}", arguments.what)))
 }
 
 #[cfg(feature = "ros2")]
@@ -104,18 +101,8 @@ impl From<&GraphArguments> for feeler_rig::GraphOptions {
     }
 }
 
+/// Returns the error that `what` requires ROS 2.
 #[cfg(not(feature = "ros2"))]
-impl GraphArguments {
-    /// Returns the error that `what` requires ROS 2.
-    pub fn not_built(&self, what: &str) -> CommandError {
-        let Self {
-            ros_connect: _,
-            ros_listen: _,
-            domain_id: _,
-            namespace: _,
-            node_name: _,
-        } = self;
-        format!("{what}: this program was built without ROS 2; build it with --features ros2")
-            .into()
-    }
+pub fn not_built(what: &str) -> CommandError {
+    format!("{what}: this program was built without ROS 2; build it with --features ros2").into()
 }

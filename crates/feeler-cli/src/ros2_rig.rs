@@ -1,5 +1,10 @@
 //! The `feeler ros2-rig` subcommand: a robot in a ROS 2 graph as the rig of an experiment.
 
+#![cfg_attr(
+    not(feature = "ros2"),
+    allow(dead_code, reason = "this program has no ROS 2")
+)]
+
 use super::ros2::GraphArguments;
 use crate::link::{ExperimentArguments, LinkArguments};
 use feeler_link::programs::RigSpeed;
@@ -47,13 +52,6 @@ pub fn ros2_rig(
     arguments: &Arguments,
     _: &mut dyn std::io::Write,
 ) -> Result<crate::Outcome, crate::CommandError> {
-    let Arguments {
-        experiment,
-        use_sim_time: _,
-        speed: _,
-        graph,
-        values: _,
-        link: _,
-    } = arguments;
-    Err(graph.not_built(&format!("ros2-rig {experiment}")))
+    let experiment = &arguments.experiment;
+    Err(crate::ros2::not_built(&format!("ros2-rig {experiment}")))
 }

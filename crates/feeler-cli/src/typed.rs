@@ -5,6 +5,27 @@ use std::io::{BufRead, Write, stderr, stdin};
 use std::str::FromStr;
 use std::sync::mpsc::{Receiver, channel};
 
+/// Value of an option that enables values from standard input.
+const TYPED: &str = "-";
+
+/// Parses the values of the option `--KIND`, and returns them with those typed on standard input if one is `-`.
+///
+/// # Errors
+/// If a value is invalid.
+pub fn given_and_typed<T>(
+    kind: &'static str,
+    given: &[String],
+) -> Result<(Vec<T>, Option<Receiver<T>>), String>
+where
+    T: FromStr<Err: Display> + Send + 'static,
+{
+    let values = given.iter().filter(|value| *value != TYPED);
+    let values = values.map(|value| value.parse().map_err(|error| format!("--{kind} {error}")));
+    let values = values.collect::<Result<_, _>>()?;
+    let typed = given.iter().any(|value| value == TYPED);
+    Ok((values, typed.then(|| typed_lines(kind))))
+}
+
 /// Reads values of this `kind` from standard input on a background thread, one per line; reports invalid lines on standard
 /// error.
 pub fn typed_lines<T>(kind: &'static str) -> Receiver<T>

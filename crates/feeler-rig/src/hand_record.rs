@@ -52,8 +52,10 @@ impl HandRecord {
     /// # Errors
     /// If a fingertip is invalid or the file cannot be written.
     pub fn create(
-        (folder, experiment): (PathBuf, &Experiment),
-        (patience, flush_interval): (Backpressure, f64),
+        folder: PathBuf,
+        experiment: &Experiment,
+        patience: Backpressure,
+        flush_interval: f64,
         warnings: Warnings,
     ) -> Result<Self, CommandError> {
         let config = &experiment.config;

@@ -70,7 +70,8 @@ impl Gripper {
         node: &mut Node,
         config: &GripperConfig,
         joint: &str,
-        (most_age, patience): (f64, Duration),
+        most_age: f64,
+        patience: Duration,
     ) -> Result<Self, NodeError> {
         let client = node.client(&format!("{}{SEND_GOAL}", config.action))?;
         let waiting = Arc::new(Waiting {

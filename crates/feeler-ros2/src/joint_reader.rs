@@ -70,12 +70,7 @@ impl JointReader {
         self.names.iter().map(Vec::len).collect()
     }
 
-    /// Number of fingers.
-    pub fn finger_count(&self) -> usize {
-        self.names.len()
-    }
-
-    /// Copies the joints from `message` to `state`, which must have [`finger_count`](Self::finger_count) fingers.
+    /// Copies the joints from `message` to `state`, which must have as many fingers.
     /// Ignores other joints in the message, and does not change the stamp of `state`.
     ///
     /// # Errors

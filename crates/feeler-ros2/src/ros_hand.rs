@@ -25,7 +25,7 @@ pub struct RosHandConfig {
     pub commands: RosCommands,
     /// Maximum age of joint states (s, by the graph's clock).
     pub most_age: f64,
-    /// Speed of the graph's clock relative to real time; 1 unless simulated.
+    /// Speed of `clock` relative to real time; 1 unless simulated.
     pub speed: f64,
 }
 
@@ -161,8 +161,8 @@ impl RosHand {
                     });
                 }
                 let first = first.unwrap_or_default();
-                let times = (config.most_age, most);
-                Drive::Gripper(Gripper::start(node, gripper, &first, times)?)
+                let most_age = config.most_age;
+                Drive::Gripper(Gripper::start(node, gripper, &first, most_age, most)?)
             }
         };
         Ok(Self {

@@ -62,7 +62,7 @@ impl RosSensor {
             Ok(())
         };
         let stamp = |message: &WrenchStamped| message.header.stamp;
-        Self::listen(node, (topic, 1), age, stamp, read)
+        Self::listen(node, topic, 1, age, stamp, read)
     }
 
     /// Creates a fingertip with this number of `elements` from the clouds on `topic`, read with [`read_forces`].
@@ -76,12 +76,13 @@ impl RosSensor {
         age: SensorAge,
     ) -> Result<Self, NodeError> {
         let stamp = |message: &PointCloud2| message.header.stamp;
-        Self::listen(node, (topic, elements), age, stamp, read_forces)
+        Self::listen(node, topic, elements, age, stamp, read_forces)
     }
 
     fn listen<M: Message + 'static>(
         node: &mut Node,
-        (topic, elements): (&str, usize),
+        topic: &str,
+        elements: usize,
         SensorAge { clock, most, speed }: SensorAge,
         stamp: fn(&M) -> Time,
         read: fn(&M, &mut [DVec3]) -> Result<(), CloudError>,
@@ -141,10 +142,7 @@ impl RosSensor {
     /// # Errors
     /// Same as [`read`](TactileSensor::read).
     pub fn read_measured(&self, reading: &mut TactileFrame) -> Result<Instant, SensorError> {
-        let (expected, actual) = (self.elements, reading.forces.len());
-        if actual != expected {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        reading.check_elements(self.elements)?;
         let newest = lock(&self.heard.newest);
         (reading.sequence, reading.stamp) = (newest.frame.sequence, newest.frame.stamp);
         let (stamp, arrived) = (newest.frame.stamp, newest.arrived);

@@ -63,11 +63,6 @@ impl PictureFiles {
             next: 0,
         })
     }
-
-    /// Files, in the order of capture.
-    pub fn files(&self) -> &[PathBuf] {
-        &self.files
-    }
 }
 
 fn files_at(path: &Path) -> Result<Vec<PathBuf>, FilesError> {

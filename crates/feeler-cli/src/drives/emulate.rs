@@ -2,13 +2,11 @@
 
 use super::EmulateArguments;
 use super::bus_log::BusLog;
-use crate::typed::typed_lines;
+use crate::typed::given_and_typed;
 use crate::{CommandError, Outcome};
 use feeler_console::{Outputs, watch_for_interrupt};
 use feeler_drives::RigClock;
-use feeler_drives::emulator::{
-    BusFault, EmulatedServo, Emulator, EmulatorConfig, LagPlant, LogEntry,
-};
+use feeler_drives::emulator::{EmulatedServo, Emulator, EmulatorConfig, LagPlant, LogEntry};
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::MODELS;
 use feeler_lab::config::Experiment;
@@ -25,14 +23,9 @@ use std::time::Duration;
 const NAP: Duration = Duration::from_millis(50);
 /// Time constant of servos without a simulated load (s); assumed.
 const LAG: f64 = 0.015;
-/// Value of `--fault` that enables faults from standard input.
-const TYPED: &str = "-";
 
 pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let faults = arguments.faults.iter().filter(|fault| *fault != TYPED);
-    let faults = faults.map(|fault| fault.parse());
-    let faults = faults.collect::<Result<Vec<BusFault>, _>>();
-    let faults = faults.map_err(|error| format!("--fault {error}"))?;
+    let (faults, typed) = given_and_typed("fault", &arguments.faults)?;
     let experiment = arguments.experiment.as_deref();
     let mut outputs = Outputs::new(arguments.overwrite.force, [experiment.map(Path::new)]);
     let log = arguments.log.as_deref();
@@ -51,8 +44,6 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
     for fault in faults {
         emulator.inject(fault);
     }
-    let typed = arguments.faults.iter().any(|fault| fault == TYPED);
-    let typed = typed.then(|| typed_lines("fault"));
     writeln!(out, "{}", emulator.path())?;
     out.flush()?;
     while !interrupted.load(Ordering::Relaxed) {

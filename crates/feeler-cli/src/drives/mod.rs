@@ -1,5 +1,10 @@
 //! The `feeler drives` subcommand.
 
+#![cfg_attr(
+    not(feature = "drives"),
+    allow(dead_code, reason = "this program has no servos")
+)]
+
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod bus_log;
 #[cfg_attr(not(target_os = "linux"), path = "emulate/elsewhere.rs")]
@@ -85,10 +90,6 @@ struct EmulateArguments {
 }
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(feature = "drives"),
-    allow(dead_code, reason = "this program has no servos")
-)]
 struct ScanArguments {
     /// Serial port, e.g. /dev/ttyUSB0.
     port: String,
@@ -116,10 +117,6 @@ fn parse_timeout(text: &str) -> Result<f64, String> {
 }
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(feature = "drives"),
-    allow(dead_code, reason = "this program has no servos")
-)]
 pub(super) struct RigArguments {
     /// Experiment file with a table [drives].
     experiment: String,
@@ -135,10 +132,6 @@ pub(super) struct RigArguments {
 }
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(feature = "drives"),
-    allow(dead_code, reason = "this program has no servos")
-)]
 struct HomeArguments {
     #[command(flatten)]
     rig: RigArguments,
@@ -159,10 +152,6 @@ struct HomeArguments {
 
 /// Finger and joint to move.
 #[derive(Debug, Clone, Copy, clap::Args)]
-#[cfg_attr(
-    not(feature = "drives"),
-    allow(dead_code, reason = "this program has no servos")
-)]
 struct JointArguments {
     /// Index of the finger, from 0.
     #[arg(long)]
@@ -181,10 +170,6 @@ impl JointArguments {
 }
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(feature = "drives"),
-    allow(dead_code, reason = "this program has no servos")
-)]
 struct JogArguments {
     #[command(flatten)]
     rig: RigArguments,
@@ -199,10 +184,6 @@ struct JogArguments {
 }
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(feature = "drives"),
-    allow(dead_code, reason = "this program has no servos")
-)]
 struct IdentifyArguments {
     #[command(flatten)]
     rig: RigArguments,

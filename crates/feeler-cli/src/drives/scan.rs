@@ -31,7 +31,7 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
                 )?;
                 continue;
             }
-            found += scan_at(arguments, (protocol, rate), out)?;
+            found += scan_at(arguments, protocol, rate, out)?;
         }
     }
     if arguments.dry_run {
@@ -48,7 +48,8 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
 /// Pings all ids; returns the number of servos that reply.
 fn scan_at(
     arguments: &ScanArguments,
-    (protocol, rate): (Protocol, u32),
+    protocol: Protocol,
+    rate: u32,
     out: &mut dyn Write,
 ) -> Result<usize, CommandError> {
     let how = (protocol, rate);

@@ -1,6 +1,7 @@
 //! `feeler compare` of a gripper: laws of the grip force on the same unknown objects.
 
-use super::compare::{Arguments, PAGE, laws};
+use super::compare::arguments::{Arguments, PAGE};
+use super::compare::laws;
 use super::trials::{in_parallel, trial_seed};
 use crate::{CommandError, Outcome, emulated};
 use feeler::control::law::LawConfig;

@@ -1,7 +1,7 @@
 //! Control laws on the same trials: one sweep per law, in a folder named after the law.
 
 use super::trials::{TRIALS_BAR, TrialArguments};
-use crate::CommandError;
+use crate::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
 use feeler_console::{Bar, watch_for_interrupt};
 use feeler_lab::config::Experiment;
@@ -9,6 +9,7 @@ use feeler_lab::sweep::plan::PLAN;
 use feeler_lab::sweep::results::Store;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan, Progress, engine};
+use std::io::Write;
 use std::path::Path;
 
 /// Number of consecutive trials of one law. Interleaving gives an interrupted comparison equal trials of all laws.
@@ -108,6 +109,26 @@ pub fn run(
         }
     }
     Ok(Ended::Whole)
+}
+
+/// Completes the results of all laws, or reports on `out` how many trials of each are finished if the run was stopped.
+pub fn close(
+    contenders: Vec<Contender>,
+    ended: Ended,
+    finished: u64,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    if ended == Ended::Stopped {
+        writeln!(
+            out,
+            "interrupted: {finished} trials of every law are finished and saved; continue with the same command and --resume"
+        )?;
+        return Ok(Outcome::GivenUp);
+    }
+    for contender in contenders {
+        contender.store.finish()?;
+    }
+    Ok(Outcome::Done)
 }
 
 /// Progress bar of a comparison.

@@ -132,7 +132,7 @@ impl Following<'_> {
             self.interrupted,
             &mut stderr(),
             |experiment, speed, network| {
-                following_program(experiment, (&self.requests, *lifetime), speed, network)
+                following_program(experiment, &self.requests, *lifetime, speed, network)
             },
             |control_loop| self.board.update(control_loop, &self.requests),
         )

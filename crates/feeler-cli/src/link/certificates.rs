@@ -1,5 +1,10 @@
 //! The `feeler certificates` subcommand: a lab's certificate authority, and certificates for its computers.
 
+#![cfg_attr(
+    not(feature = "link"),
+    allow(dead_code, reason = "this program has no link")
+)]
+
 use crate::{CommandError, Outcome};
 use feeler_link::security::{Right, RightError};
 use std::io::Write;
@@ -205,19 +210,12 @@ fn list(
 /// Returns an error: this build has no link.
 #[cfg(not(feature = "link"))]
 pub fn certificates(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let Arguments {
-        lab,
-        computers,
-        days: _,
-        renew: _,
-        withdraw: _,
-        list: _,
-    } = arguments;
-    let computers: Vec<String> = computers
+    let computers: Vec<String> = arguments
+        .computers
         .iter()
         .map(|grant| format!("{} ({} rights)", grant.computer, grant.rights().len()))
         .collect();
-    let (lab, computers) = (lab.display(), computers.join(", "));
+    let (lab, computers) = (arguments.lab.display(), computers.join(", "));
     Err(format!("{lab}: no certificates for {computers}: this program was built without the link; build it with --features link").into())
 }
 

@@ -102,8 +102,10 @@ pub fn run_hand(
     }
     let folder = make_folder(arguments.out.as_deref(), experiment, None)?;
     let mut record = HandRecord::create(
-        (folder, experiment),
-        (patience(arguments.speed), arguments.flush.flush_interval),
+        folder,
+        experiment,
+        patience(arguments.speed),
+        arguments.flush.flush_interval,
         warnings,
     )?;
 

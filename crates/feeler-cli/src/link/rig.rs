@@ -1,15 +1,16 @@
 //! The `feeler rig` subcommand.
 
+#![cfg_attr(
+    not(all(feature = "drives", target_os = "linux")),
+    allow(dead_code, reason = "this program has no servos")
+)]
+
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
 use feeler_link::programs::RigSpeed;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]
-#[cfg_attr(
-    not(all(feature = "drives", target_os = "linux")),
-    allow(dead_code, reason = "this program has no servos")
-)]
 pub struct Arguments {
     /// Experiment whose servos are served: a file with a table [drives], or the name of a built-in one (see `feeler
     /// list`).

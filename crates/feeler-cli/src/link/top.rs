@@ -1,5 +1,10 @@
 //! The `feeler top` subcommand: a networked rig in the terminal.
 
+#![cfg_attr(
+    not(feature = "top"),
+    allow(dead_code, reason = "this program has no terminal view")
+)]
+
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
 use std::io::Write;
@@ -41,12 +46,7 @@ pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
 /// Returns an error: this build has no terminal view.
 #[cfg(not(feature = "top"))]
 pub fn top(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let Arguments {
-        experiment,
-        once: _,
-        values: _,
-        link: _,
-    } = arguments;
+    let experiment = &arguments.experiment;
     Err(format!(
         "top {experiment}: this program was built without the terminal view; build it with --features link,top"
     )

@@ -1,5 +1,10 @@
 //! `feeler view`: shows a run, a recording or a rig of several programs in the browser.
 
+#![cfg_attr(
+    not(feature = "view"),
+    allow(dead_code, reason = "this program has no live page")
+)]
+
 #[cfg(not(feature = "view"))]
 mod no_live_run;
 
@@ -86,11 +91,5 @@ pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
 /// Returns an error, because this build has no live page.
 #[cfg(not(feature = "view"))]
 pub fn view(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let Arguments {
-        what,
-        server: _,
-        values: _,
-        link: _,
-    } = arguments;
-    Err(format!("view {what}: {MISSING}").into())
+    Err(format!("view {}: {MISSING}", arguments.what).into())
 }

@@ -86,7 +86,8 @@ impl Motor {
         step: f64,
         wish: Option<Wish>,
         motion: Motion,
-        (load, limits): (f64, Limits),
+        load: f64,
+        limits: Limits,
     ) -> f64 {
         let most = match limits.overload {
             true => limits.current.min(PROTECTIVE * self.stall_current),
@@ -97,7 +98,7 @@ impl Motor {
             None => (0.0, 0.0),
             Some(Wish::Velocity(velocity)) => self.at_velocity(velocity, load, most),
             Some(Wish::Position { rest, fastest }) => {
-                self.towards(rest, fastest, motion.velocity, (load, most))
+                self.towards(rest, fastest, motion.velocity, load, most)
             }
             Some(Wish::Current(current)) => {
                 self.with_torque(self.torque(current.clamp(-most, most)), load)
@@ -144,7 +145,7 @@ impl Motor {
     }
 
     /// Velocity and torque of a motor whose voltage is proportional to the distance `rest` to its goal.
-    fn towards(&self, rest: f64, fastest: f64, now: f64, (load, most): (f64, f64)) -> (f64, f64) {
+    fn towards(&self, rest: f64, fastest: f64, now: f64, load: f64, most: f64) -> (f64, f64) {
         let back_emf = self.stall_torque / self.fastest;
         let voltage = self.stall_torque * (rest / FULL_VOLTAGE).clamp(-1.0, 1.0);
         let available = self.torque(most);

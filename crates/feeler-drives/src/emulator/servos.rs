@@ -87,8 +87,8 @@ impl Servos {
         for (index, servo) in self.servos.iter_mut().enumerate() {
             let noise = self.noise * self.random.random_range(-1.0..=1.0);
             let current_noise = CURRENT_NOISE * self.current_random.random_range(-1.0..=1.0);
-            let noise = (noise, current_noise);
-            servo.measure((now, step), self.plant.motion(index), noise);
+            let motion = self.plant.motion(index);
+            servo.measure(now, step, motion, noise, current_noise);
         }
         self.time = now;
     }

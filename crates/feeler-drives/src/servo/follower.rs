@@ -45,7 +45,8 @@ impl Follower {
     pub fn follow(
         &mut self,
         velocity: f64,
-        (position, elapsed): (f64, f64),
+        position: f64,
+        elapsed: f64,
         drive: &JointDriveConfig,
         model: &Model,
     ) -> i64 {

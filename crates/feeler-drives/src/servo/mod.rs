@@ -206,10 +206,8 @@ impl Servo {
                 unit: self.unit(),
             });
         }
-        let measured = (self.angle, elapsed);
-        self.goal = self
-            .follower
-            .follow(velocity, measured, &self.drive, self.model);
+        let follower = &mut self.follower;
+        self.goal = follower.follow(velocity, self.angle, elapsed, &self.drive, self.model);
         Ok(())
     }
 

@@ -1,84 +1,15 @@
-//! Converts a run to an episode: its control steps and the LeRobot features of its frames.
+//! LeRobot features of an episode's frames.
 
 use super::feature::{Feature, Values};
 use super::frames::Frames;
-use super::tactile::{about, axes};
+use super::tactile::{about_forces, tactile_key};
 use super::window::windows;
 use crate::error::ExportError;
 use crate::joint_units::joint_units;
 use feeler::hand::JointVector;
 use feeler_record::messages::joint_names;
-use feeler_record::tactile_array::of_finger;
-use feeler_record::{Felt, FingerRecord, FingerStep, Recording, Step, Steps};
+use feeler_record::{Felt, FingerRecord, FingerStep, Recording, Step};
 use serde_json::{Map, Value, json};
-
-/// Maximum relative deviation of the frame rate from a whole number.
-const RATE_TOLERANCE: f64 = 1e-6;
-
-/// Frames per second of a recording. LeRobot requires a whole number.
-///
-/// # Errors
-/// If the control rate is not a whole number of steps per second.
-pub(crate) fn frame_rate(run: &str, recording: &Recording) -> Result<u32, ExportError> {
-    let period = recording.facts.control_period;
-    let rate = (1.0 / period).round();
-    if (rate * period - 1.0).abs() > RATE_TOLERANCE || rate < 1.0 {
-        let expected = "a whole number of control steps per second";
-        let actual = format!("{} steps, one every {period} s", 1.0 / period);
-        return Err(ExportError::of_run(run, "rate", expected, actual));
-    }
-    Ok(rate as u32)
-}
-
-/// Control steps of an episode: all from the first at which every finger has a reading.
-///
-/// # Errors
-/// If the recording is incomplete, if steps are missing, or if there are no such steps.
-pub(crate) fn control_steps<'a>(
-    run: &str,
-    recording: &'a Recording,
-) -> Result<Vec<Step<'a>>, ExportError> {
-    let refuse = |what: &str, expected: String, actual: String| {
-        Err(ExportError::of_run(run, what, expected, actual))
-    };
-    if let Some(problem) = &recording.problem {
-        let expected = "a complete recording, as frames have no timestamps";
-        return refuse(
-            "recording",
-            expected.into(),
-            format!("an incomplete one ({problem})"),
-        );
-    }
-    let unfelt = |step: &Step<'_>| !step.fingers.iter().all(is_known);
-    let steps: Vec<_> = Steps::new(recording).skip_while(unfelt).collect();
-    if steps.is_empty() {
-        let actual = format!(
-            "{} steps without readings of all fingers",
-            recording.task.len()
-        );
-        return refuse("control steps", "a reading of every finger".into(), actual);
-    }
-    let period = recording.facts.control_period;
-    for pair in steps.windows(2) {
-        let (from, to) = (pair[0].task.stamp, pair[1].task.stamp);
-        if ((to - from) / period - 1.0).abs() > 0.5 {
-            let expected = format!("one every {period} s");
-            return refuse(
-                "control steps",
-                expected,
-                format!("one at {from} s, the next at {to} s"),
-            );
-        }
-    }
-    Ok(steps)
-}
-
-fn is_known(finger: &FingerStep<'_>) -> bool {
-    finger.tactile.is_some()
-        && finger.flags.is_some()
-        && finger.joints.is_some()
-        && finger.command.is_some()
-}
 
 /// Observations and actions at these frames, with windows of `window` tactile samples.
 ///
@@ -126,7 +57,7 @@ pub(crate) fn features(
     for finger in 0..fingers {
         features.extend(touch(&taken, recording, finger)?);
         if let Some(length) = window {
-            features.extend(windows(run, recording, finger, (frames, length))?);
+            features.extend(windows(run, recording, finger, frames, length)?);
         }
     }
     if !recording.felt.is_empty() {
@@ -140,18 +71,6 @@ fn joint_counts(recording: &Recording) -> Vec<usize> {
     let first = |finger: &FingerRecord| Some(finger.joints.first()?.position.len());
     let counts = recording.fingers.iter().map(first);
     counts.map(|count| count.unwrap_or(3)).collect()
-}
-
-/// Key of a tactile feature of one finger.
-pub(super) fn tactile_key(finger: usize, what: &str) -> String {
-    format!("observation.tactile.finger_{finger}.{what}")
-}
-
-/// Description of the axes of a finger's forces, and of its elements if they are known.
-pub(super) fn about_forces(recording: &Recording, finger: usize) -> Map<String, Value> {
-    let sensor = of_finger(&recording.facts, finger);
-    let sensor = sensor.map(|sensor| about(&sensor.positions, &sensor.orientations));
-    sensor.unwrap_or_else(|| axes().into_iter().collect())
 }
 
 /// Tactile features of one finger.

@@ -1,10 +1,9 @@
 //! Selection of the control steps that become the frames of an episode.
 
-use super::episode::{control_steps, frame_rate};
 use crate::error::ExportError;
-use feeler_record::{Recording, Step};
+use feeler_record::{FingerStep, Recording, Step, Steps};
 
-/// Maximum fraction by which the frame rate may exceed the control rate.
+/// Maximum relative deviation of the control rate from a whole number, and excess of the frame rate over it.
 const RATE_TOLERANCE: f64 = 1e-6;
 
 /// Frame rate of a data set, and length of the windows of tactile samples. The default has a frame per control step and
@@ -92,4 +91,66 @@ impl<'a> Frames<'a> {
         });
         nearest.collect()
     }
+}
+
+/// Frames per second of a recording. LeRobot requires a whole number.
+///
+/// # Errors
+/// If the control rate is not a whole number of steps per second.
+fn frame_rate(run: &str, recording: &Recording) -> Result<u32, ExportError> {
+    let period = recording.facts.control_period;
+    let rate = (1.0 / period).round();
+    if (rate * period - 1.0).abs() > RATE_TOLERANCE || rate < 1.0 {
+        let expected = "a whole number of control steps per second";
+        let actual = format!("{} steps, one every {period} s", 1.0 / period);
+        return Err(ExportError::of_run(run, "rate", expected, actual));
+    }
+    Ok(rate as u32)
+}
+
+/// Control steps of an episode: all from the first at which every finger has a reading.
+///
+/// # Errors
+/// If the recording is incomplete, if steps are missing, or if there are no such steps.
+fn control_steps<'a>(run: &str, recording: &'a Recording) -> Result<Vec<Step<'a>>, ExportError> {
+    let refuse = |what: &str, expected: String, actual: String| {
+        Err(ExportError::of_run(run, what, expected, actual))
+    };
+    if let Some(problem) = &recording.problem {
+        let expected = "a complete recording, as frames have no timestamps";
+        return refuse(
+            "recording",
+            expected.into(),
+            format!("an incomplete one ({problem})"),
+        );
+    }
+    let unfelt = |step: &Step<'_>| !step.fingers.iter().all(is_known);
+    let steps: Vec<_> = Steps::new(recording).skip_while(unfelt).collect();
+    if steps.is_empty() {
+        let actual = format!(
+            "{} steps without readings of all fingers",
+            recording.task.len()
+        );
+        return refuse("control steps", "a reading of every finger".into(), actual);
+    }
+    let period = recording.facts.control_period;
+    for pair in steps.windows(2) {
+        let (from, to) = (pair[0].task.stamp, pair[1].task.stamp);
+        if ((to - from) / period - 1.0).abs() > 0.5 {
+            let expected = format!("one every {period} s");
+            return refuse(
+                "control steps",
+                expected,
+                format!("one at {from} s, the next at {to} s"),
+            );
+        }
+    }
+    Ok(steps)
+}
+
+fn is_known(finger: &FingerStep<'_>) -> bool {
+    finger.tactile.is_some()
+        && finger.flags.is_some()
+        && finger.joints.is_some()
+        && finger.command.is_some()
 }

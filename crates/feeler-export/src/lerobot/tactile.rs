@@ -1,9 +1,10 @@
 //! Forces of a fingertip as a LeRobot feature, from and to a [`TactileArray`].
 
 use feeler::sensor::fingertip::{MAX_ELEMENTS, SensingElement};
+use feeler_record::Recording;
 use feeler_record::ros::{Header, Time};
 use feeler_record::tactile_array::{
-    ArrayError, ELEMENT_AXES, TactileArray, TactileChannel, to_recorded,
+    ArrayError, ELEMENT_AXES, TactileArray, TactileChannel, of_finger, to_recorded,
 };
 use feeler_record::wire::{Quaternion, Vector3};
 use glam::{DQuat, DVec3};
@@ -113,8 +114,20 @@ pub fn from_feature(feature: &ForceFeature, sensor: &str) -> Result<TactileArray
     Ok(array)
 }
 
+/// Key of a tactile feature of one finger.
+pub(super) fn tactile_key(finger: usize, what: &str) -> String {
+    format!("observation.tactile.finger_{finger}.{what}")
+}
+
+/// Description of the axes of a finger's forces, and of its elements if they are known.
+pub(super) fn about_forces(recording: &Recording, finger: usize) -> Map<String, Value> {
+    let sensor = of_finger(&recording.facts, finger);
+    let sensor = sensor.map(|sensor| about(&sensor.positions, &sensor.orientations));
+    sensor.unwrap_or_else(|| axes().into_iter().collect())
+}
+
 /// Description of the axes, and positions and orientations of the elements.
-pub(super) fn about(positions: &[Vector3], orientations: &[Quaternion]) -> Map<String, Value> {
+fn about(positions: &[Vector3], orientations: &[Quaternion]) -> Map<String, Value> {
     let positions: Vec<_> = positions.iter().map(|p| [p.x, p.y, p.z]).collect();
     let orientations: Vec<_> = orientations.iter().map(|q| [q.x, q.y, q.z, q.w]).collect();
     let geometry = [
@@ -125,7 +138,7 @@ pub(super) fn about(positions: &[Vector3], orientations: &[Quaternion]) -> Map<S
 }
 
 /// Description of the axes.
-pub(super) fn axes() -> [(String, Value); 1] {
+fn axes() -> [(String, Value); 1] {
     [("axes".into(), json!(AXES))]
 }
 

@@ -1,8 +1,8 @@
 //! Windows of tactile samples at the sensor's rate, stored with the frames of an episode.
 
-use super::episode::{about_forces, tactile_key};
 use super::feature::{Feature, Values};
 use super::frames::{Frames, Sampling};
+use super::tactile::{about_forces, tactile_key};
 use crate::error::ExportError;
 use feeler_record::wire::Vector3;
 use feeler_record::{FingerRecord, Recording, SAME_TIME};
@@ -85,7 +85,8 @@ pub(crate) fn windows(
     run: &str,
     recording: &Recording,
     finger: usize,
-    (frames, length): (&Frames<'_>, usize),
+    frames: &Frames<'_>,
+    length: usize,
 ) -> Result<[Feature; 3], ExportError> {
     let samples = recording.fingers.get(finger).map_or(Vec::new(), samples);
     let key = |what: &str| tactile_key(finger, &format!("window.{what}"));

@@ -1,7 +1,8 @@
 //! The calibration files that an experiment refers to.
 
 use super::error::ConfigError;
-use super::load::{Experiment, read};
+use super::load::Experiment;
+use super::read::read;
 use feeler::sensor::calibration::Calibration;
 use std::collections::BTreeMap;
 

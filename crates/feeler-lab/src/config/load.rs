@@ -6,6 +6,7 @@ use super::check::check;
 use super::error::ConfigError;
 use super::experiment_config::ExperimentConfig;
 use super::missing::missing;
+use super::read::read;
 use super::settings::{put, with_defaults};
 use super::urdf::resolve;
 use super::words::in_words;
@@ -13,13 +14,8 @@ use crate::sweep::plan::plausible::plausible_hand;
 use feeler::sensor::fingertip::{FingertipConfig, sha256};
 use feeler_record::PolicyFile;
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use toml_edit::DocumentMut;
-
-/// Maximum size of an experiment or calibration file in bytes.
-const MAX_TEXT: u64 = 16 << 20;
 
 /// An experiment: its checked configuration, and the equivalent text with comments.
 #[derive(Debug, Clone, PartialEq)]
@@ -202,30 +198,4 @@ fn missing_keys(toml: &str, error: &toml::de::Error) -> Vec<String> {
     }
     let table = toml.parse().unwrap_or_default();
     missing::<ExperimentConfig>(table)
-}
-
-/// Reads a text file. Rejects files much longer than any valid one, such as devices and recordings.
-pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
-    read_text(path).map_err(|source| ConfigError::Read {
-        path: path.to_path_buf(),
-        expected,
-        source,
-    })
-}
-
-/// Reads a text file in UTF-8 of at most 16 MiB.
-pub(crate) fn read_text(path: &Path) -> io::Result<String> {
-    let not_text = |_| io::Error::new(io::ErrorKind::InvalidData, "not text in UTF-8");
-    String::from_utf8(read_at_most(path, MAX_TEXT)?).map_err(not_text)
-}
-
-/// Reads a file of at most `max` bytes.
-pub(super) fn read_at_most(path: &Path, max: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(max + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > max {
-        let reason = format!("longer than {} MiB", max >> 20);
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
-    }
-    Ok(bytes)
 }

@@ -14,6 +14,7 @@ mod load;
 mod missing;
 mod place;
 mod policy;
+mod read;
 mod ros2;
 mod settings;
 mod stand_in;
@@ -29,5 +30,5 @@ pub use experiment_config::{
 };
 pub use feeler::check::Problem;
 pub use load::Experiment;
-pub(crate) use load::read_text;
+pub(crate) use read::read_text;
 pub use ros2::{RosConfig, RosFingerConfig, RosGripperConfig};

@@ -1,7 +1,8 @@
 //! The policy file that an experiment may use as its control law.
 
 use super::error::ConfigError;
-use super::load::{Experiment, read_at_most};
+use super::load::Experiment;
+use super::read::read_at_most;
 use feeler::control::ControlConfig;
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{MAX_BYTES, PolicyConfig, PolicyModel};

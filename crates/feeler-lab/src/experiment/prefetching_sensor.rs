@@ -72,11 +72,7 @@ impl TactileSource for PrefetchingSensor {
     }
 
     fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
-        let actual = touch.frame.forces.len();
-        if actual != self.elements {
-            let expected = self.elements;
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        touch.frame.check_elements(self.elements)?;
         self.begin();
         let ended = |_| SensorError::Failed("the sensor thread has ended".into());
         let (reading, result) = receive(&self.from_thread).map_err(ended)?;

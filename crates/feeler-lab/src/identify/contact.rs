@@ -47,7 +47,7 @@ pub fn contacts(trace: &FingerTrace, force: f64, tip_radius: f64) -> Vec<Contact
         };
         let last = trace.rows.iter().rposition(in_place).unwrap_or(first);
         for element in 0..trace.layout.elements.len() {
-            let samples = samples(trace, (first, last), element, (force / 3.0, tip_radius));
+            let samples = samples(trace, (first, last), element, force / 3.0, tip_radius);
             if samples.iter().any(|sample| sample.force.z >= force) {
                 contacts.push(Contact { samples });
             }
@@ -60,7 +60,8 @@ fn samples(
     trace: &FingerTrace,
     (first, last): (usize, usize),
     element: usize,
-    (least, tip_radius): (f64, f64),
+    least: f64,
+    tip_radius: f64,
 ) -> Vec<Sample> {
     let rows = &trace.rows;
     let touches = |row: &Row| row.forces[element].z >= least;

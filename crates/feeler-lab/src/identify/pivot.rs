@@ -42,7 +42,8 @@ pub fn pushed_tip(trace: &FingerTrace, row: usize, element: usize, stiffness: St
 
 /// Mean tip position of each contact, that is, of each element at each place.
 fn contact_points(
-    (finger, trace): (usize, &FingerTrace),
+    finger: usize,
+    trace: &FingerTrace,
     stiffness: Stiffness,
     least: f64,
 ) -> Vec<(usize, DVec2)> {
@@ -71,7 +72,7 @@ pub fn circle(fingers: &[(&FingerTrace, Stiffness, f64)]) -> Option<Circle> {
         .iter()
         .enumerate()
         .flat_map(|(finger, &(trace, stiffness, least))| {
-            contact_points((finger, trace), stiffness, least)
+            contact_points(finger, trace, stiffness, least)
         })
         .collect();
     fit_circle(points)

@@ -78,11 +78,7 @@ impl Inbox for SenseInbox {
 impl SenseInbox {
     /// Creates an empty inbox for `finger` with its number of elements and images of `size` (width, height in px).
     /// Other programs must match `expected`.
-    pub fn new(
-        (finger, elements): (usize, usize),
-        size: (usize, usize),
-        expected: Expected,
-    ) -> Self {
+    pub fn new(finger: usize, elements: usize, size: (usize, usize), expected: Expected) -> Self {
         Self {
             finger: finger as u32,
             elements,

@@ -57,7 +57,7 @@ impl SensorProgram {
         let mut heartbeat = first_heartbeat(ProgramKind::Sense, &expected.experiment);
         heartbeat.finger = finger as u32;
         heartbeat.fingertip.clone_from(&config.fingertip);
-        let inbox = SenseInbox::new((finger, elements), config.picture_size, expected);
+        let inbox = SenseInbox::new(finger, elements, config.picture_size, expected);
         let topics = [
             Topic::Mode,
             Topic::Picture(finger),

@@ -1,8 +1,6 @@
 //! Wire format of [`Joints`] and [`Command`] for fingers that do not have three joints.
 
-use super::channels::{Command, Joints, Stamped};
-use super::topic::{RecordedMessage, decode_stamped};
-use crate::reading::recording::{PictureAt, Recording};
+use super::channels::{Command, Joints, stamped};
 use crate::wire::Vector3;
 use crate::{message, vector3_schema};
 use feeler::hand::{JointVector, MAX_JOINTS};
@@ -55,17 +53,7 @@ message!(
     vector3_schema!(),
 );
 
-impl Stamped for ChainJoints {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
-
-impl Stamped for ChainCommand {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
+stamped!(ChainJoints, ChainCommand);
 
 /// Converts recorded joint values to a vector.
 fn joints(values: &[f64]) -> Result<JointVector, String> {
@@ -98,28 +86,6 @@ impl TryFrom<ChainCommand> for Command {
         })
     }
 }
-
-/// Implements [`RecordedMessage`] for wire formats, whose messages are stored as another type.
-macro_rules! stored_as {
-    ($($wire:ident as $stored:ident),+) => {
-        $(impl RecordedMessage for $wire {
-            fn read_into(
-                recording: &mut Recording,
-                finger: Option<usize>,
-                bytes: &[u8],
-                _: PictureAt,
-            ) -> Result<(), String> {
-                let message = $stored::try_from(decode_stamped::<Self>(bytes)?)?;
-                if let Some(list) = $stored::list(recording, finger) {
-                    list.push(message);
-                }
-                Ok(())
-            }
-        })+
-    };
-}
-
-stored_as!(ChainJoints as Joints, ChainCommand as Command);
 
 #[cfg(test)]
 mod tests {

@@ -33,13 +33,15 @@ pub(crate) fn nanoseconds(stamp: f64) -> Option<u64> {
 /// Implements [`Stamped`] for structs with a field `stamp`.
 macro_rules! stamped {
     ($($type:ident),+ $(,)?) => {
-        $(impl Stamped for $type {
+        $(impl $crate::messages::channels::Stamped for $type {
             fn stamp(&self) -> f64 {
                 self.stamp
             }
         })+
     };
 }
+
+pub(crate) use stamped;
 
 stamped!(
     Tactile,

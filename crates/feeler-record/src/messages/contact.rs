@@ -1,6 +1,6 @@
 //! Message with the contact of a fingertip.
 
-use super::channels::{Stamped, Tactile};
+use super::channels::{Tactile, stamped};
 use crate::wire::{Vector3, message, vector3_schema};
 use feeler::sensor::contact::Contact as Estimate;
 use glam::DVec3;
@@ -102,8 +102,4 @@ impl Contact {
     }
 }
 
-impl Stamped for Contact {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
+stamped!(Contact);

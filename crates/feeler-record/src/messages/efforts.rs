@@ -1,9 +1,7 @@
 //! Message with the efforts of one finger's drives.
 
-use super::channels::Stamped;
-use super::topic::{RecordedMessage, decode_stamped};
+use super::channels::stamped;
 use crate::message;
-use crate::reading::recording::{PictureAt, Recording};
 use feeler::hand::{JointEfforts, JointVector, MAX_JOINTS};
 use serde::{Deserialize, Serialize};
 
@@ -38,7 +36,7 @@ impl Efforts {
     }
 
     /// Checks that there are as many uncertainties as efforts.
-    fn check(&self) -> Result<(), String> {
+    pub(super) fn check(&self) -> Result<(), String> {
         let (efforts, uncertainties) = (self.effort.len(), self.uncertainty.len());
         if efforts > MAX_JOINTS || uncertainties != efforts {
             return Err(format!(
@@ -58,32 +56,7 @@ impl Efforts {
     }
 }
 
-impl Stamped for Efforts {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
-
-/// Efforts are only written if the drives measure them.
-impl RecordedMessage for Efforts {
-    fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>> {
-        Some(&mut recording.fingers.get_mut(finger?)?.efforts)
-    }
-
-    fn read_into(
-        recording: &mut Recording,
-        finger: Option<usize>,
-        bytes: &[u8],
-        _: PictureAt,
-    ) -> Result<(), String> {
-        let message: Self = decode_stamped(bytes)?;
-        message.check()?;
-        if let Some(list) = Self::list(recording, finger) {
-            list.push(message);
-        }
-        Ok(())
-    }
-}
+stamped!(Efforts);
 
 #[cfg(test)]
 mod tests {

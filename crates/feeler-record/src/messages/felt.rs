@@ -1,8 +1,6 @@
 //! Message with the rumble and the tone that the live page played.
 
-use super::channels::Stamped;
-use super::topic::RecordedMessage;
-use crate::reading::recording::Recording;
+use super::channels::stamped;
 use crate::wire::message;
 use serde::{Deserialize, Serialize};
 
@@ -52,17 +50,4 @@ impl Felt {
     }
 }
 
-impl Stamped for Felt {
-    fn stamp(&self) -> f64 {
-        self.stamp
-    }
-}
-
-/// Not part of the digest, because rumble and tone do not change a run.
-impl RecordedMessage for Felt {
-    const DERIVED: bool = true;
-
-    fn list(recording: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
-        Some(&mut recording.felt)
-    }
-}
+stamped!(Felt);

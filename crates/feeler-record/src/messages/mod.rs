@@ -10,6 +10,7 @@ pub(crate) mod image;
 mod joint_array;
 pub(crate) mod model;
 pub(crate) mod names;
+pub(crate) mod recorded;
 pub(crate) mod run_end;
 pub(crate) mod topic;
 

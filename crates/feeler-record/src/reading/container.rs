@@ -2,7 +2,8 @@
 
 use crate::error::RecordError;
 use crate::messages::channels::{Stamped, nanoseconds};
-use crate::messages::topic::{Channel, Conversion, RecordedTopic};
+use crate::messages::recorded::Conversion;
+use crate::messages::topic::{Channel, RecordedTopic};
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::write::NoSeek;
 use ::mcap::{Attachment, McapError, WriteOptions, Writer};

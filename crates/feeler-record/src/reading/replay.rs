@@ -39,10 +39,7 @@ impl TactileSensor for RecordedSensor {
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
         let count = self.count;
         let frame = self.frames.next().ok_or(SensorError::Ended { count })?;
-        let (expected, actual) = (frame.forces.len(), reading.forces.len());
-        if actual != expected {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        reading.check_elements(frame.forces.len())?;
         for (force, &recorded) in reading.forces.iter_mut().zip(&frame.forces) {
             *force = recorded.into();
         }

@@ -33,7 +33,7 @@ macro_rules! derived {
             }
         }
 
-        impl $crate::messages::topic::RecordedMessage for $type {
+        impl $crate::messages::recorded::RecordedMessage for $type {
             const DERIVED: bool = true;
 
             fn read_into(

@@ -3,7 +3,8 @@
 use crate::error::RecordError;
 use crate::messages::channels::{Moments, Tactile};
 use crate::messages::contact::Contact;
-use crate::messages::topic::{Channel, RecordedMessage, RecordedTopic, topics};
+use crate::messages::recorded::RecordedMessage;
+use crate::messages::topic::{Channel, RecordedTopic, topics};
 use crate::reading::container::{Container, find, log_time};
 use crate::reading::scan::{Found, scan};
 use crate::ros::WrenchStamped;

@@ -2,7 +2,8 @@
 
 use crate::error::RecordError;
 use crate::messages::channels::RecordingGap;
-use crate::messages::topic::{Channel, RecordedMessage, RecordedTopic};
+use crate::messages::recorded::RecordedMessage;
+use crate::messages::topic::{Channel, RecordedTopic};
 use crate::reading::container::{find, log_time};
 use crate::wire::cdr;
 

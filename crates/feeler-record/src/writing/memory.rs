@@ -2,7 +2,8 @@
 
 use crate::error::RecordError;
 use crate::messages::facts::RunFacts;
-use crate::messages::topic::{RecordedMessage, RecordedTopic};
+use crate::messages::recorded::RecordedMessage;
+use crate::messages::topic::RecordedTopic;
 use crate::reading::container::log_time;
 use crate::reading::recording::Recording;
 

@@ -39,7 +39,8 @@ pub fn depth_figure(fingers: &[FingerProbes], number: u32) -> Figure {
     let labels = ["depth (mm)", "F_z (N)"];
     slope_figure(
         fingers,
-        (number, "Pressing"),
+        number,
+        "Pressing",
         |f| &f.depth,
         0,
         labels,
@@ -53,7 +54,8 @@ pub fn shear_figure(fingers: &[FingerProbes], number: u32) -> Figure {
     let labels = ["shear displacement (mm)", "shear force (N)"];
     slope_figure(
         fingers,
-        (number, "Shearing"),
+        number,
+        "Shearing",
         |f| &f.shear,
         1,
         labels,
@@ -63,7 +65,8 @@ pub fn shear_figure(fingers: &[FingerProbes], number: u32) -> Figure {
 
 fn slope_figure(
     fingers: &[FingerProbes],
-    (number, title): (u32, &str),
+    number: u32,
+    title: &str,
     points: PointsOf,
     stiffness: usize,
     [x_label, y_label]: [&str; 2],

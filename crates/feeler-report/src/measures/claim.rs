@@ -9,8 +9,6 @@ pub enum Relation {
     AtLeast,
     /// value <= bound.
     AtMost,
-    /// value < bound.
-    Below,
     /// value == bound.
     Equals,
     /// |value| <= bound.
@@ -23,7 +21,6 @@ impl Relation {
         match self {
             Self::AtLeast => ">=",
             Self::AtMost => "<=",
-            Self::Below => "<",
             Self::Equals => "=",
             Self::Within => "+-",
         }
@@ -33,7 +30,6 @@ impl Relation {
         match self {
             Self::AtLeast => value >= bound,
             Self::AtMost => value <= bound,
-            Self::Below => value < bound,
             Self::Equals => value == bound,
             Self::Within => value.abs() <= bound,
         }
@@ -222,7 +218,7 @@ impl ClaimPart {
         let value = self.value?;
         let above = match self.relation {
             Relation::AtLeast => value - self.bound,
-            Relation::AtMost | Relation::Below => self.bound - value,
+            Relation::AtMost => self.bound - value,
             Relation::Equals => -(value - self.bound).abs(),
             Relation::Within => self.bound - value.abs(),
         };
@@ -252,7 +248,7 @@ mod tests {
 
     #[test]
     fn margin_is_the_smallest_relative_distance_to_a_bound() {
-        use Relation::{AtLeast, AtMost, Below, Equals, Within};
+        use Relation::{AtLeast, AtMost, Equals, Within};
         let margin = |parts: &[(f64, Relation, f64)]| {
             let compared =
                 |&(value, relation, bound)| part("").compared(Some(value), relation, bound);
@@ -270,7 +266,6 @@ mod tests {
         };
         assert_eq!(margin(&[(3.0, AtLeast, 2.0)]), 0.5);
         assert_eq!(margin(&[(0.0625, AtMost, 0.25)]), 0.75);
-        assert_eq!(margin(&[(1.5, Below, 1.0)]), -0.5);
         assert_eq!(margin(&[(5.0, Equals, 4.0)]), -0.25);
         assert_eq!(margin(&[(4.0, Equals, 4.0)]), 0.0);
         assert_eq!(margin(&[(-0.75, Within, 0.5)]), -0.5);

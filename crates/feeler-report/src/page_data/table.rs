@@ -90,8 +90,10 @@ struct Columns {
 impl Columns {
     fn add<const N: usize>(
         &mut self,
-        (name, kind): (String, &'static str),
-        (width, scale): (usize, f64),
+        name: String,
+        kind: &'static str,
+        width: usize,
+        scale: f64,
         numbers: impl Iterator<Item = [u8; N]>,
     ) {
         // Append whole numbers: appending single bytes took as long as compressing them.
@@ -107,12 +109,12 @@ impl Columns {
     }
 
     fn bytes(&mut self, name: String, numbers: impl Iterator<Item = u8>) {
-        self.add((name, "u8"), (1, 1.0), numbers.map(|number| [number]));
+        self.add(name, "u8", 1, 1.0, numbers.map(|number| [number]));
     }
 
     fn f32(&mut self, name: String, width: usize, numbers: impl Iterator<Item = f64>) {
         let numbers = numbers.map(|number| (number as f32).to_le_bytes());
-        self.add((name, "f32"), (width, 1.0), numbers);
+        self.add(name, "f32", width, 1.0, numbers);
     }
 }
 
@@ -143,7 +145,7 @@ impl RunTable {
         let kept = rows.kept();
         let mut columns = Columns::default();
         let times = kept.clone().map(|row| data.time[row].to_le_bytes());
-        columns.add(("time".into(), "f64"), (1, 1.0), times);
+        columns.add("time".into(), "f64", 1, 1.0, times);
         let phases = kept.clone().map(|row| data.phase[row] as u8);
         columns.bytes("phase".into(), phases);
         for (number, finger) in data.fingers.iter().enumerate() {
@@ -220,7 +222,7 @@ fn add_felt(
         forces.take(width).map(|force| stored(force).to_le_bytes())
     });
     let name = of_finger(number, "forces");
-    columns.add((name, "i16"), (width, scale), padded);
+    columns.add(name, "i16", width, scale, padded);
     let flags = kept.clone().map(|row| {
         let slips = finger.slipped[row].is_some_and(|slipped| slipped > TRUE_SLIP);
         flag_bits([finger.touch[row], finger.slip[row], finger.over[row], slips])

@@ -61,7 +61,6 @@ fn part_row(part: &ClaimPart) -> Markup {
     let sign = match part.relation {
         Relation::AtLeast => "≥",
         Relation::AtMost => "≤",
-        Relation::Below => "<",
         Relation::Equals => "=",
         Relation::Within => "±",
     };

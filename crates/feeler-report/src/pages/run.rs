@@ -18,7 +18,8 @@ use maud::{Markup, html};
 
 /// Report page as HTML. `link` is the relative path to the recording; `table` contains the rows of `data`.
 pub(crate) fn page(
-    (recording, link): (&Recording, &str),
+    recording: &Recording,
+    link: &str,
     data: &RunData,
     table: (RunTable, Rows),
     summary: &Summary,
@@ -42,7 +43,7 @@ pub(crate) fn page(
                 "to the commands shown here. Digest of the original recording: " span.digest { (original) } "."
             }
         }
-        p.verdict { (verdict(recording, summary, task, (claims, whose))) }
+        p.verdict { (verdict(recording, summary, task, claims, whose)) }
         (tiles(&tiles_of(summary, claims)))
         div id="scene" {}
         h2 { "Figures" }
@@ -164,7 +165,8 @@ fn verdict(
     recording: &Recording,
     summary: &Summary,
     task: &dyn TaskReport,
-    (claims, whose): (&[Claim], &str),
+    claims: &[Claim],
+    whose: &str,
 ) -> Markup {
     let total = claims.len();
     let held = claims.iter().filter(|claim| claim.holds).count();

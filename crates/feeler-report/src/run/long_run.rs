@@ -230,8 +230,8 @@ impl LongRun {
     fn thin(&mut self) {
         self.take_over_all();
         let pinned = self.pinned();
-        let most = (self.strokes.len(), self.most / 2);
-        let (stay, cell) = rows_of_cells(&self.data, &pinned, most, self.cell);
+        let (strokes, most) = (self.strokes.len(), self.most / 2);
+        let (stay, cell) = rows_of_cells(&self.data, &pinned, strokes, most, self.cell);
         self.cell = Some(cell);
         self.open = stay.partition_point(|&row| row < self.open);
         self.data.keep(&stay);

@@ -231,7 +231,7 @@ fn draw<T>(
             Ok(table) => table.join().unwrap_or_else(|panic| resume_unwind(panic)),
             Err(_) => RunTable::new(data),
         };
-        let html = page((recording, link), data, table, &summary, &figures);
+        let html = page(recording, link, data, table, &summary, &figures);
         let (_, whose) = tasks::shown_claims(recording, &summary);
         Drawn {
             html,

@@ -29,7 +29,8 @@ impl Fingertip {
     /// none. `network` opens the network with the rights of that finger's sensor.
     pub fn new(
         node: &mut Node,
-        (experiment, finger): (&Experiment, usize),
+        experiment: &Experiment,
+        finger: usize,
         config: &RosFingerConfig,
         age: &SensorAge,
         network: impl FnOnce() -> Result<Arc<dyn Network>, CommandError>,

@@ -66,8 +66,8 @@ pub fn serve_robot(
     let mut fingertips = Vec::new();
     for (finger, config) in robot.finger.iter().enumerate() {
         let network = || session.connect(&[Right::Sense(finger)]);
-        let of = (experiment, finger);
-        fingertips.extend(Fingertip::new(&mut node, of, config, &age, network)?);
+        let fingertip = Fingertip::new(&mut node, experiment, finger, config, &age, network)?;
+        fingertips.extend(fingertip);
     }
     writeln!(
         out,
@@ -77,7 +77,7 @@ pub fn serve_robot(
     )?;
     out.flush()?;
     let (geometries, _) = fingers_at_home(&experiment.config)?;
-    let hand = robot_hand(&mut node, (robot, &geometries), age)?;
+    let hand = robot_hand(&mut node, robot, &geometries, age)?;
     let rig = RobotRig::new(hand, warnings.clone());
     let mut program = RigProgram::new(rig, &rig_config(experiment, rig_speed)?, network)?;
     program.set_warn(warnings.warn());
@@ -108,7 +108,8 @@ pub fn serve_robot(
 /// Creates the [`RosHand`] that drives the robot.
 fn robot_hand(
     node: &mut Node,
-    (robot, geometries): (&RosConfig, &[FingerGeometry]),
+    robot: &RosConfig,
+    geometries: &[FingerGeometry],
     age: SensorAge,
 ) -> Result<RosHand, RosHandError> {
     let fingers = robot.finger.iter();

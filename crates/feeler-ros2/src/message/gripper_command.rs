@@ -1,12 +1,7 @@
 //! Goals of the action `control_msgs/ParallelGripperCommand`. Sending a goal is a service of the action.
 
-use crate::type_description::Service;
 use feeler_record::ros::{JointState, Time};
 use serde::{Deserialize, Serialize};
-
-/// Service by which an action server accepts goals: `_action/send_goal` below the action's name.
-#[derive(Debug, Clone, Copy)]
-pub enum SendGripperGoal {}
 
 /// Request of [`SendGripperGoal`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -26,25 +21,15 @@ pub struct SendGripperGoalResponse {
     pub stamp: Time,
 }
 
-impl Service for SendGripperGoal {
-    const NAME: &'static str = "control_msgs/action/ParallelGripperCommand_SendGoal";
-    type Request = SendGripperGoalRequest;
-    type Response = SendGripperGoalResponse;
-}
-
-ros_message!(
-    SendGripperGoalRequest,
-    "control_msgs/action/ParallelGripperCommand_SendGoal_Request",
-    "unique_identifier_msgs/UUID goal_id\ncontrol_msgs/action/ParallelGripperCommand_Goal goal\n",
-    "unique_identifier_msgs/UUID",
-    "control_msgs/action/ParallelGripperCommand_Goal",
-    "sensor_msgs/JointState",
-    "std_msgs/Header",
-    "builtin_interfaces/Time"
-);
-ros_message!(
-    SendGripperGoalResponse,
-    "control_msgs/action/ParallelGripperCommand_SendGoal_Response",
-    "bool accepted\nbuiltin_interfaces/Time stamp\n",
-    "builtin_interfaces/Time"
+ros_service!(
+    /// Service by which an action server accepts goals: `_action/send_goal` below the action's name.
+    SendGripperGoal = "control_msgs/action/ParallelGripperCommand_SendGoal",
+    SendGripperGoalRequest: "unique_identifier_msgs/UUID goal_id\ncontrol_msgs/action/ParallelGripperCommand_Goal goal\n",
+        "unique_identifier_msgs/UUID",
+        "control_msgs/action/ParallelGripperCommand_Goal",
+        "sensor_msgs/JointState",
+        "std_msgs/Header",
+        "builtin_interfaces/Time";
+    SendGripperGoalResponse: "bool accepted\nbuiltin_interfaces/Time stamp\n",
+        "builtin_interfaces/Time"
 );

@@ -1,7 +1,6 @@
 //! Services of `rcl_interfaces` that give tools access to a node's parameters.
 
 use super::parameter::{Parameter, ParameterDescriptor, ParameterValue, SetParametersResult};
-use crate::type_description::Service;
 use serde::{Deserialize, Serialize};
 
 /// Names of parameters, listed by [`ListParameters`].
@@ -36,10 +35,6 @@ pub struct SetParametersRequest<const ATOMICALLY: bool> {
     pub parameters: Vec<Parameter>,
 }
 
-/// Service that lists parameters.
-#[derive(Debug, Clone, Copy)]
-pub enum ListParameters {}
-
 /// Response of [`ListParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ListParametersResponse {
@@ -47,15 +42,12 @@ pub struct ListParametersResponse {
     pub result: ListParametersResult,
 }
 
-impl Service for ListParameters {
-    const NAME: &'static str = "rcl_interfaces/srv/ListParameters";
-    type Request = ListParametersRequest;
-    type Response = ListParametersResponse;
-}
-
-/// Service that returns values of parameters.
-#[derive(Debug, Clone, Copy)]
-pub enum GetParameters {}
+ros_service!(
+    /// Service that lists parameters.
+    ListParameters = "rcl_interfaces/srv/ListParameters",
+    ListParametersRequest: "string[] prefixes\nuint64 depth\n";
+    ListParametersResponse: "ListParametersResult result\n", "rcl_interfaces/ListParametersResult"
+);
 
 /// Response of [`GetParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -64,15 +56,12 @@ pub struct GetParametersResponse {
     pub values: Vec<ParameterValue>,
 }
 
-impl Service for GetParameters {
-    const NAME: &'static str = "rcl_interfaces/srv/GetParameters";
-    type Request = NamesRequest<0>;
-    type Response = GetParametersResponse;
-}
-
-/// Service that returns types of parameters.
-#[derive(Debug, Clone, Copy)]
-pub enum GetParameterTypes {}
+ros_service!(
+    /// Service that returns values of parameters.
+    GetParameters = "rcl_interfaces/srv/GetParameters",
+    NamesRequest<0>: "string[] names\n";
+    GetParametersResponse: "ParameterValue[] values\n", "rcl_interfaces/ParameterValue"
+);
 
 /// Response of [`GetParameterTypes`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -81,15 +70,12 @@ pub struct GetParameterTypesResponse {
     pub types: Vec<u8>,
 }
 
-impl Service for GetParameterTypes {
-    const NAME: &'static str = "rcl_interfaces/srv/GetParameterTypes";
-    type Request = NamesRequest<1>;
-    type Response = GetParameterTypesResponse;
-}
-
-/// Service that describes parameters.
-#[derive(Debug, Clone, Copy)]
-pub enum DescribeParameters {}
+ros_service!(
+    /// Service that returns types of parameters.
+    GetParameterTypes = "rcl_interfaces/srv/GetParameterTypes",
+    NamesRequest<1>: "string[] names\n";
+    GetParameterTypesResponse: "uint8[] types\n"
+);
 
 /// Response of [`DescribeParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -98,15 +84,15 @@ pub struct DescribeParametersResponse {
     pub descriptors: Vec<ParameterDescriptor>,
 }
 
-impl Service for DescribeParameters {
-    const NAME: &'static str = "rcl_interfaces/srv/DescribeParameters";
-    type Request = NamesRequest<2>;
-    type Response = DescribeParametersResponse;
-}
-
-/// Service that sets each of the given parameters separately.
-#[derive(Debug, Clone, Copy)]
-pub enum SetParameters {}
+ros_service!(
+    /// Service that describes parameters.
+    DescribeParameters = "rcl_interfaces/srv/DescribeParameters",
+    NamesRequest<2>: "string[] names\n";
+    DescribeParametersResponse: "ParameterDescriptor[] descriptors\n",
+        "rcl_interfaces/ParameterDescriptor",
+        "rcl_interfaces/FloatingPointRange",
+        "rcl_interfaces/IntegerRange"
+);
 
 /// Response of [`SetParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -115,15 +101,14 @@ pub struct SetParametersResponse {
     pub results: Vec<SetParametersResult>,
 }
 
-impl Service for SetParameters {
-    const NAME: &'static str = "rcl_interfaces/srv/SetParameters";
-    type Request = SetParametersRequest<false>;
-    type Response = SetParametersResponse;
-}
-
-/// Service that sets either all given parameters or none.
-#[derive(Debug, Clone, Copy)]
-pub enum SetParametersAtomically {}
+ros_service!(
+    /// Service that sets each of the given parameters separately.
+    SetParameters = "rcl_interfaces/srv/SetParameters",
+    SetParametersRequest<false>: "Parameter[] parameters\n",
+        "rcl_interfaces/Parameter",
+        "rcl_interfaces/ParameterValue";
+    SetParametersResponse: "SetParametersResult[] results\n", "rcl_interfaces/SetParametersResult"
+);
 
 /// Response of [`SetParametersAtomically`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -132,80 +117,12 @@ pub struct SetParametersAtomicallyResponse {
     pub result: SetParametersResult,
 }
 
-impl Service for SetParametersAtomically {
-    const NAME: &'static str = "rcl_interfaces/srv/SetParametersAtomically";
-    type Request = SetParametersRequest<true>;
-    type Response = SetParametersAtomicallyResponse;
-}
-
-ros_message!(
-    ListParametersRequest,
-    "rcl_interfaces/srv/ListParameters_Request",
-    "string[] prefixes\nuint64 depth\n"
-);
-ros_message!(
-    ListParametersResponse,
-    "rcl_interfaces/srv/ListParameters_Response",
-    "ListParametersResult result\n",
-    "rcl_interfaces/ListParametersResult"
-);
-ros_message!(
-    NamesRequest<0>,
-    "rcl_interfaces/srv/GetParameters_Request",
-    "string[] names\n"
-);
-ros_message!(
-    GetParametersResponse,
-    "rcl_interfaces/srv/GetParameters_Response",
-    "ParameterValue[] values\n",
-    "rcl_interfaces/ParameterValue"
-);
-ros_message!(
-    NamesRequest<1>,
-    "rcl_interfaces/srv/GetParameterTypes_Request",
-    "string[] names\n"
-);
-ros_message!(
-    GetParameterTypesResponse,
-    "rcl_interfaces/srv/GetParameterTypes_Response",
-    "uint8[] types\n"
-);
-ros_message!(
-    NamesRequest<2>,
-    "rcl_interfaces/srv/DescribeParameters_Request",
-    "string[] names\n"
-);
-ros_message!(
-    DescribeParametersResponse,
-    "rcl_interfaces/srv/DescribeParameters_Response",
-    "ParameterDescriptor[] descriptors\n",
-    "rcl_interfaces/ParameterDescriptor",
-    "rcl_interfaces/FloatingPointRange",
-    "rcl_interfaces/IntegerRange"
-);
-ros_message!(
-    SetParametersRequest<false>,
-    "rcl_interfaces/srv/SetParameters_Request",
-    "Parameter[] parameters\n",
-    "rcl_interfaces/Parameter",
-    "rcl_interfaces/ParameterValue"
-);
-ros_message!(
-    SetParametersResponse,
-    "rcl_interfaces/srv/SetParameters_Response",
-    "SetParametersResult[] results\n",
-    "rcl_interfaces/SetParametersResult"
-);
-ros_message!(
-    SetParametersRequest<true>,
-    "rcl_interfaces/srv/SetParametersAtomically_Request",
-    "Parameter[] parameters\n",
-    "rcl_interfaces/Parameter",
-    "rcl_interfaces/ParameterValue"
-);
-ros_message!(
-    SetParametersAtomicallyResponse,
-    "rcl_interfaces/srv/SetParametersAtomically_Response",
-    "SetParametersResult result\n",
-    "rcl_interfaces/SetParametersResult"
+ros_service!(
+    /// Service that sets either all given parameters or none.
+    SetParametersAtomically = "rcl_interfaces/srv/SetParametersAtomically",
+    SetParametersRequest<true>: "Parameter[] parameters\n",
+        "rcl_interfaces/Parameter",
+        "rcl_interfaces/ParameterValue";
+    SetParametersAtomicallyResponse: "SetParametersResult result\n",
+        "rcl_interfaces/SetParametersResult"
 );

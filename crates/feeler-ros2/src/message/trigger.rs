@@ -1,11 +1,6 @@
 //! `std_srvs/Trigger`.
 
-use crate::type_description::Service;
 use serde::{Deserialize, Serialize};
-
-/// Service that triggers an action without arguments.
-#[derive(Debug, Clone, Copy)]
-pub enum Trigger {}
 
 /// Request of [`Trigger`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,15 +18,9 @@ pub struct TriggerResponse {
     pub message: String,
 }
 
-impl Service for Trigger {
-    const NAME: &'static str = "std_srvs/srv/Trigger";
-    type Request = TriggerRequest;
-    type Response = TriggerResponse;
-}
-
-ros_message!(TriggerRequest, "std_srvs/srv/Trigger_Request", "");
-ros_message!(
-    TriggerResponse,
-    "std_srvs/srv/Trigger_Response",
-    "bool success\nstring message\n"
+ros_service!(
+    /// Service that triggers an action without arguments.
+    Trigger = "std_srvs/srv/Trigger",
+    TriggerRequest: "";
+    TriggerResponse: "bool success\nstring message\n"
 );

@@ -96,7 +96,7 @@ impl<'a> Found<'a> {
         options: &'a RecordedOptions,
         notes: &mut Notes,
     ) -> Result<Self, CommandError> {
-        Self::find(path, labels, (options, false), notes)
+        Self::find(path, labels, options, false, notes)
     }
 
     /// Finds other recordings at `path`: tables of tracks and videos, read with default options, or tables of the same
@@ -110,13 +110,14 @@ impl<'a> Found<'a> {
         options: &'a RecordedOptions,
         notes: &mut Notes,
     ) -> Result<Self, CommandError> {
-        Self::find(path, Some(labels), (options, true), notes)
+        Self::find(path, Some(labels), options, true, notes)
     }
 
     fn find(
         path: &'a Path,
         labels: Option<&Path>,
-        (options, others): (&'a RecordedOptions, bool),
+        options: &'a RecordedOptions,
+        others: bool,
         notes: &mut Notes,
     ) -> Result<Self, CommandError> {
         let group = options.group.as_deref().filter(|_| !others);

@@ -1,7 +1,6 @@
 //! Parses the source argument and opens its camera.
 
 use super::SenseOptions;
-use super::taxels::SERIAL;
 use crate::camera::CameraName;
 use feeler::sensor::image::Camera;
 use feeler_console::CommandError;
@@ -11,6 +10,9 @@ use feeler_report::run::make::RECORDING;
 use feeler_sources::{PictureFiles, RawFrames, VideoFile, is_video_name};
 use std::io::stdin;
 use std::path::{Path, PathBuf};
+
+/// Prefix of the name of a source on a serial port.
+pub const SERIAL: &str = "serial:";
 
 /// A source of readings.
 #[derive(Debug, PartialEq)]

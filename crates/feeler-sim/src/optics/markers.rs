@@ -158,7 +158,7 @@ impl MarkerModel {
             .flat_map(|element| places.iter().map(move |&place| (element, place)))
             .map(|(element, place)| {
                 let on_marker = (0..layout.elements.len()).filter_map(|of| {
-                    let compliance = compliance(config, layout, (element, place), of)?;
+                    let compliance = compliance(config, layout, element, place, of)?;
                     Some(Influence { of, compliance })
                 });
                 Marker {
@@ -202,7 +202,8 @@ impl MarkerModel {
 fn compliance(
     config: &MarkerConfig,
     layout: &ElementLayout,
-    (element, place): (usize, DVec2),
+    element: usize,
+    place: DVec2,
     of: usize,
 ) -> Option<DMat3> {
     let to_marker = layout.elements[element].rotation.transpose();

@@ -61,10 +61,7 @@ impl TactileSensor for DirectSensor {
     }
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let (expected, actual) = (self.element_count(), reading.forces.len());
-        if actual != expected {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        reading.check_elements(self.element_count())?;
         let now = {
             let world = self.rig.world();
             world.element_forces(self.finger, &mut reading.forces);

@@ -131,8 +131,8 @@ impl ServoConfig {
     ) {
         match joints.count() {
             // A constant, so that the loop is unrolled.
-            3 => self.advance_joints(3, joints, (step, remaining), &limits),
-            count => self.advance_joints(count, joints, (step, remaining), &limits),
+            3 => self.advance_joints(3, joints, step, remaining, &limits),
+            count => self.advance_joints(count, joints, step, remaining, &limits),
         }
     }
 
@@ -141,7 +141,8 @@ impl ServoConfig {
         &self,
         count: usize,
         joints: &mut Joints,
-        (step, remaining): (f64, f64),
+        step: f64,
+        remaining: f64,
         (lower, upper): &(JointVector, JointVector),
     ) {
         let lag = self.lag * (1.0 - remaining);

@@ -159,10 +159,7 @@ impl TactileSensor for SkinSensor {
 
     /// Waits for the next frame, at most 100 ms.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let (expected, actual) = (self.element_count(), reading.forces.len());
-        if expected != actual {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        reading.check_elements(self.element_count())?;
         loop {
             if let Some(stamp) = self.connection.decode(&mut self.values) {
                 let was_zero = self.chain.has_zeros();

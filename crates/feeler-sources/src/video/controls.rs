@@ -27,17 +27,13 @@ pub(super) fn set_controls(config: &VideoConfig) -> Result<(), VideoError> {
         }
     };
     if let Some(exposure) = config.settings.exposure {
-        let automatic = (AUTO_EXPOSURE, MANUAL_EXPOSURE);
-        set(config, EXPOSURE, automatic, |low, high| {
-            exposure_steps(exposure, low, high)
-        })
-        .map_err(refused(format!("an exposure time of {exposure} s")))?;
+        let steps = |low, high| exposure_steps(exposure, low, high);
+        set(config, EXPOSURE, AUTO_EXPOSURE, MANUAL_EXPOSURE, steps)
+            .map_err(refused(format!("an exposure time of {exposure} s")))?;
     }
     if let Some(gain) = config.settings.gain {
-        set(config, GAIN, (AUTO_GAIN, 0), |low, high| {
-            gain_steps(gain, low, high)
-        })
-        .map_err(refused(format!("a gain of {gain}")))?;
+        let steps = |low, high| gain_steps(gain, low, high);
+        set(config, GAIN, AUTO_GAIN, 0, steps).map_err(refused(format!("a gain of {gain}")))?;
     }
     Ok(())
 }
@@ -47,7 +43,8 @@ pub(super) fn set_controls(config: &VideoConfig) -> Result<(), VideoError> {
 fn set(
     config: &VideoConfig,
     names: [&str; 2],
-    (automatic, manual): ([&str; 2], i32),
+    automatic: [&str; 2],
+    manual: i32,
     value: impl Fn(i32, i32) -> Result<i32, String>,
 ) -> Result<(), String> {
     let mut device = Device::open(&config.device).map_err(|e| e.to_string())?;

@@ -42,7 +42,7 @@ impl LiveRun {
         let config = &experiment.config;
         let rows = LiveRows::new(config)?;
         let title = format!("{}, seed {}", config.name, config.seed);
-        let (feed, server) = serve(&title, &rows, (BY, true), options, out)?;
+        let (feed, server) = serve(&title, &rows, BY, true, options, out)?;
         Ok(Self {
             feed,
             server,

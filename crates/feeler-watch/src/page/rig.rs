@@ -37,7 +37,7 @@ pub fn serve_rig(
     let interrupted = watch_for_interrupt()?;
     let mut watched = WatchedRig::new(experiment, rig, network)?;
     let title = format!("rig {rig}");
-    let (feed, server) = serve(&title, &rows, (BY, false), options, out)?;
+    let (feed, server) = serve(&title, &rows, BY, false, options, out)?;
     let watching = watch(&mut watched, &mut rows, &feed, &interrupted);
     feed.offer_last(|moment| {
         moment.words.clear();

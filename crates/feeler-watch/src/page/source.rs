@@ -17,7 +17,8 @@ const KEEP: usize = 30 * 60;
 pub fn serve(
     title: &str,
     rows: &LiveRows,
-    (by, felt): (&'static str, bool),
+    by: &'static str,
+    felt: bool,
     options: ServerOptions,
     out: &mut dyn Write,
 ) -> Result<(Arc<Feed>, Server), CommandError> {

@@ -138,11 +138,7 @@ impl TactileSource for BackgroundSensor {
     }
 
     fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
-        let actual = touch.frame.forces.len();
-        if actual != self.elements {
-            let expected = self.elements;
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        touch.frame.check_elements(self.elements)?;
         let mut fingers = self.board.lock();
         let Some(felt) = fingers.get_mut(self.finger) else {
             return Ok(());

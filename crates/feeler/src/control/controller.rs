@@ -263,8 +263,8 @@ impl Controller {
         for (finger, ((touch, joints), ((geometry, layout), pose))) in
             inputs.zip(fingers).enumerate()
         {
-            let counts = (layout.elements.len(), geometry.joint_count());
-            check_input(finger, counts, touch, joints)?;
+            let (elements, joint_count) = (layout.elements.len(), geometry.joint_count());
+            check_input(finger, elements, joint_count, touch, joints)?;
             let age = state.stamp - touch.stamp;
             // Also rejects a NaN age, and forces with a stamp in the future.
             if age.is_nan() || age.abs() > limit {
@@ -283,16 +283,15 @@ impl Controller {
         }
         let inputs = touches.iter().zip(&state.joints);
         for (index, (finger, (touch, joints))) in self.fingers.iter_mut().zip(inputs).enumerate() {
-            let reading = (state.stamp, joints.position);
+            let (geometry, stamp) = (&finger.geometry, state.stamp);
             let command = finger.admitted.joint_velocity;
             let joint_monitor = &mut finger.joint_monitor;
-            joint_monitor.watch(index, &finger.geometry, reading, command)?;
+            joint_monitor.watch(index, geometry, stamp, joints.position, command)?;
             finger.stuck_sensor.watch(index, touch)?;
             if let (Some(efforts), Some(pose)) = (state.efforts.get(index), self.poses.get(index)) {
                 let force = pose.rotation * touch.frame.resultant(&self.layouts[index]);
-                let joints = (state.stamp, joints);
                 let monitor = &mut finger.effort_monitor;
-                monitor.watch(index, &finger.geometry, joints, efforts, force)?;
+                monitor.watch(index, geometry, stamp, joints, efforts, force)?;
             }
         }
         Ok(())

@@ -73,7 +73,8 @@ impl EffortMonitor {
         &mut self,
         finger: usize,
         geometry: &FingerGeometry,
-        (stamp, joints): (f64, &JointState),
+        stamp: f64,
+        joints: &JointState,
         efforts: &JointEfforts,
         force: DVec3,
     ) -> Result<(), StopReason> {

@@ -26,7 +26,8 @@ pub(super) fn check_count(
 /// and all numbers must be finite.
 pub(super) fn check_input(
     finger: usize,
-    (elements, joint_count): (usize, usize),
+    elements: usize,
+    joint_count: usize,
     touch: &TactileReading,
     joints: &JointState,
 ) -> Result<(), StopReason> {

@@ -114,7 +114,8 @@ impl JointMonitor {
         &mut self,
         finger: usize,
         geometry: &FingerGeometry,
-        (stamp, position): (f64, JointVector),
+        stamp: f64,
+        position: JointVector,
         command: JointVector,
     ) -> Result<(), StopReason> {
         let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());

@@ -1,7 +1,6 @@
 //! Errors of the inverse kinematics.
 
-use super::chain::ChainKinematicsError;
-use super::joint_vector::JointVector;
+use super::joint_vector::{JointVector, MAX_JOINTS};
 use glam::DVec3;
 
 /// Maximum distance of the fingertip from its target for the target to count as reached (m).
@@ -60,4 +59,46 @@ pub enum KinematicsError {
     /// No joint positions of a chain were found.
     #[error(transparent)]
     Chain(#[from] ChainKinematicsError),
+}
+
+/// Error returned if no joint positions of a chain are found for a fingertip position.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ChainKinematicsError {
+    /// An argument is NaN or infinite, or a joint is missing.
+    #[error(
+        "expected a finite target and {expected} finite joint positions, got target {target} m and start {start:?}"
+    )]
+    NotFinite {
+        /// Target position of the fingertip in `W` (m).
+        target: DVec3,
+        /// Initial joint positions (rad or m), NaN if missing.
+        start: [f64; MAX_JOINTS],
+        /// Number of joints.
+        expected: usize,
+    },
+    /// The target is beyond the reach of the links, regardless of the joint limits.
+    #[error(
+        "fingertip target {target} m is {distance:.6} m from the first joint, expected at most {maximum:.6} m"
+    )]
+    OutOfReach {
+        /// Target position of the fingertip in `W` (m).
+        target: DVec3,
+        /// Distance from the origin of the first moving frame to the target (m).
+        distance: f64,
+        /// Upper bound of the reachable distance (m).
+        maximum: f64,
+    },
+    /// The iteration did not reach the target within the joint limits. The target may be unreachable.
+    #[error(
+        "expected a fingertip within {POSITION_TOLERANCE:e} m of {target} m and joints within their limits, \
+         ended {residual:e} m away"
+    )]
+    NotConverged {
+        /// Target position of the fingertip in `W` (m).
+        target: DVec3,
+        /// Smallest distance from the target that was reached (m).
+        residual: f64,
+        /// Joint positions at that distance (rad or m), within the limits.
+        joints: [f64; MAX_JOINTS],
+    },
 }

@@ -73,11 +73,6 @@ impl<C: Clock> FixedRate<C> {
         })
     }
 
-    /// Control period (s).
-    pub fn period(&self) -> f64 {
-        self.period
-    }
-
     /// Time of the next deadline since the start (s).
     pub fn deadline(&self) -> f64 {
         self.since_start(self.next).as_secs_f64()

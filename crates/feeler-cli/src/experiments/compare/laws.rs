@@ -1,6 +1,6 @@
 //! Laws to compare, and their names.
 
-use super::PAGE;
+use super::arguments::PAGE;
 use crate::CommandError;
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::PolicyConfig;

@@ -2,14 +2,14 @@
 
 use super::{Arguments, entries_of_groups, even};
 use crate::experiments::compare::laws::laws;
-use crate::experiments::contenders::{Contender, contenders, run, under_law};
+use crate::experiments::contenders::{Contender, close, contenders, run, under_law};
 use crate::{CommandError, Outcome};
+use feeler_lab::sweep::Plan;
 use feeler_lab::sweep::analysis::{LawTrials, law_shares};
 use feeler_lab::sweep::plan::ranges::Ranges;
 use feeler_lab::sweep::plan::{Design, ranges};
 use feeler_lab::sweep::results::write_whole;
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, Plan};
 use feeler_report::pages::{LawSharesPage, law_shares_page, percent};
 use std::io::Write;
 
@@ -27,21 +27,13 @@ pub fn side_by_side(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcom
     write_whole(&folder.join(JSON), &serde_json::to_vec_pretty(&page)?)?;
     write_whole(&folder.join(PAGE), law_shares_page(&page).as_bytes())?;
     print(&page, out)?;
-    if ended == Ended::Stopped {
-        writeln!(
-            out,
-            "interrupted: {} trials of every law are finished and saved; continue with the same command and --resume",
-            page.finished
-        )?;
-        return Ok(Outcome::GivenUp);
+    let outcome = close(contenders, ended, page.finished, out)?;
+    if outcome == Outcome::Done {
+        for name in [JSON, PAGE] {
+            writeln!(out, "{}", folder.join(name).display())?;
+        }
     }
-    for contender in contenders {
-        contender.store.finish()?;
-    }
-    for name in [JSON, PAGE] {
-        writeln!(out, "{}", folder.join(name).display())?;
-    }
-    Ok(Outcome::Done)
+    Ok(outcome)
 }
 
 /// Returns the trials of each law. All laws have the same design and seed, and therefore the same hands.

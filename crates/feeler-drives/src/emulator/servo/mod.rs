@@ -204,9 +204,11 @@ impl EmulatedServo {
     /// expired.
     pub(super) fn measure(
         &mut self,
-        (now, step): (f64, f64),
+        now: f64,
+        step: f64,
         motion: Motion,
-        (noise, current_noise): (f64, f64),
+        noise: f64,
+        current_noise: f64,
     ) {
         let registers = self.registers();
         self.watch(now);

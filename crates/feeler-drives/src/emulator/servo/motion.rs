@@ -90,7 +90,7 @@ impl EmulatedServo {
         };
         let velocity = self
             .motor
-            .drive(step, wish, motion, (load + self.load, limits));
+            .drive(step, wish, motion, load + self.load, limits);
         if self.motor.is_overloaded() {
             self.overload();
         }

@@ -6,7 +6,7 @@
 mod robot;
 
 use super::error::ConfigError;
-use super::load::read;
+use super::read::read;
 use robot::chain;
 use serde::Serialize;
 use std::path::Path;

@@ -69,7 +69,7 @@ pub fn hand_program(
     let config = &experiment.config;
     let (fingers, _) = fingers_at_home(config)?;
     let controller = controller(experiment, &fingers, &layouts(config)?)?;
-    program(experiment, (controller, config.time_limit), speed, network)
+    program(experiment, controller, config.time_limit, speed, network)
 }
 
 /// Like [`hand_program`], but the hand follows `requests` without a time limit instead of executing the experiment's task.
@@ -79,18 +79,20 @@ pub fn hand_program(
 /// As [`hand_program`].
 pub fn following_program(
     experiment: &Experiment,
-    (requests, lifetime): (&Requests, f64),
+    requests: &Requests,
+    lifetime: f64,
     speed: RigSpeed,
     network: Arc<dyn Network>,
 ) -> Result<HandProgram, LinkedError> {
     let controller = following_controller(experiment, requests, lifetime)?;
-    program(experiment, (controller, f64::INFINITY), speed, network)
+    program(experiment, controller, f64::INFINITY, speed, network)
 }
 
 /// Creates a hand program with a controller and a time limit (s).
 fn program(
     experiment: &Experiment,
-    (controller, time_limit): (Controller, f64),
+    controller: Controller,
+    time_limit: f64,
     speed: RigSpeed,
     network: Arc<dyn Network>,
 ) -> Result<HandProgram, LinkedError> {

@@ -108,7 +108,7 @@ pub fn rig_with(joints: JointCounts) -> RigInbox {
 
 /// Inbox of a sensor program with images of 2x1 px.
 pub fn sense() -> SenseInbox {
-    let mut inbox = SenseInbox::new((0, ELEMENTS), (2, 1), expected());
+    let mut inbox = SenseInbox::new(0, ELEMENTS, (2, 1), expected());
     introduce(&mut inbox, &[("hand", HAND), ("world", WORLD)]);
     inbox
 }

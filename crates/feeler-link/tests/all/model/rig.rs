@@ -191,7 +191,7 @@ impl Rig {
 
     fn start_sensor(&mut self) {
         let instance = self.draw_instance();
-        let inbox = SenseInbox::new((0, 1), (1, 1), expected());
+        let inbox = SenseInbox::new(0, 1, (1, 1), expected());
         self.sensor = Some(SensorProgram { instance, inbox });
     }
 

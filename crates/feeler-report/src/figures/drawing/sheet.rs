@@ -38,7 +38,7 @@ pub fn column(
         .with_shared_x_all()
         .with_spacing(0.0);
     let svg = |drawn| frame(head.0, head.1, legend, drawn, height);
-    drawing((arranged, 1), (legend, of_time), panels, svg)
+    drawing(arranged, 1, legend, of_time, panels, svg)
 }
 
 /// Panels with separate axes, arranged in `columns`, under a legend. Each row has height `height`.
@@ -52,13 +52,15 @@ pub fn tiled(
     let rows = panels.len().div_ceil(columns).max(1);
     let arranged = Panels::new(rows, columns).with_spacing(PADDING);
     let svg = |drawn| frame(head.0, head.1, legend, drawn, height * rows as f64);
-    drawing((arranged, columns), (legend, false), panels, svg)
+    drawing(arranged, columns, legend, false, panels, svg)
 }
 
 /// Creates the drawing and the interactive version of each panel.
 fn drawing(
-    (arranged, columns): (Panels, usize),
-    (legend, of_time): (&[(&str, Pen)], bool),
+    arranged: Panels,
+    columns: usize,
+    legend: &[(&str, Pen)],
+    of_time: bool,
     panels: Vec<grid::Panel>,
     svg: impl FnOnce(Panels) -> String,
 ) -> Drawing {

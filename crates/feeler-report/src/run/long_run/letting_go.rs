@@ -31,7 +31,8 @@ pub fn row_size(data: &RunData) -> usize {
 pub fn rows_of_cells(
     data: &RunData,
     pinned: &[Range<usize>],
-    (strokes, most): (usize, usize),
+    strokes: usize,
+    most: usize,
     cell: Option<f64>,
 ) -> (Vec<usize>, f64) {
     let quantities = quantities(data);

@@ -26,8 +26,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use table::Table;
 
-pub use table::SERIAL;
-
 /// Processes the rows of the table in `options` until it ends or `interrupted` is set.
 pub fn sense(
     options: &SenseOptions,

@@ -1,6 +1,7 @@
 //! Sources of a taxel array's readings.
 
 use super::super::SenseOptions;
+use super::super::source::SERIAL;
 use super::pump::RowPump;
 use super::skin;
 use feeler::sensor::taxel::TaxelLayout;
@@ -9,9 +10,6 @@ use feeler_sources::skin::{SkinCounters, SkinSensor};
 use std::io::{BufRead, BufReader, stdin};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Prefix of the name of a source on a serial port.
-pub const SERIAL: &str = "serial:";
 
 /// A source of readings.
 pub enum Table {

@@ -155,7 +155,7 @@ impl ContactLoss {
         let newest = match &mut self.reference {
             Reference::Unknown => None,
             Reference::Untouched(elements) => {
-                rms(vectors.into_iter().take(*elements), (*elements, self.scale))
+                rms(vectors.into_iter().take(*elements), *elements, self.scale)
             }
             Reference::Pattern(fit) => fit.residual(vectors, self.scale),
         };
@@ -194,7 +194,7 @@ impl ContactLoss {
 
 /// Root mean square of the valid vectors in units of `scale`; `None` if more than half of the `elements` lack a valid
 /// vector.
-fn rms(vectors: impl Iterator<Item = DVec2>, (elements, scale): (usize, f64)) -> Option<f64> {
+fn rms(vectors: impl Iterator<Item = DVec2>, elements: usize, scale: f64) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0_usize);
     for vector in vectors.filter_map(|vector| super::scaled(vector, scale)) {
         sum += vector.length_squared();

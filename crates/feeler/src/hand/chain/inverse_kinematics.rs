@@ -7,12 +7,11 @@
 //! middle of the joints' ranges and from a fixed sequence of positions that fills the ranges evenly. The solution found
 //! that is nearest to the start is then returned.
 
-use super::error::ChainKinematicsError;
 use super::kinematics::State;
 use super::solve::Task;
 use super::task_rank::gram;
 use super::{Chain, MAX_JOINTS};
-use crate::hand::kinematics_error::POSITION_TOLERANCE;
+use crate::hand::kinematics_error::{ChainKinematicsError, POSITION_TOLERANCE};
 use glam::DVec3;
 
 /// Residual at which the iteration stops (m). The rest of the tolerance is reserved for rounding errors.

@@ -29,11 +29,12 @@ mod spectrum;
 mod task_rank;
 
 pub use config::{ChainConfig, DhRow, FrameRow, JointConfig, MimicConfig, RowType};
-pub use error::{ChainError, ChainKinematicsError};
+pub use error::ChainError;
 pub use resolved_rate::ChainRate;
 
 use super::joint_vector::JointVector;
 pub use super::joint_vector::MAX_JOINTS;
+pub use super::kinematics_error::ChainKinematicsError;
 use glam::{DMat3, DVec3};
 use task_rank::TaskRanks;
 

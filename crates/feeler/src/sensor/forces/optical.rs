@@ -81,12 +81,7 @@ impl<C: Camera> TactileSensor for OpticalSensor<C> {
     }
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        if reading.forces.len() != self.element_count() {
-            return Err(SensorError::ElementCount {
-                expected: self.element_count(),
-                actual: reading.forces.len(),
-            });
-        }
+        reading.check_elements(self.element_count())?;
         self.camera.capture(&mut self.frame)?;
         (self.sensing).sense_forces(&self.frame.picture, &mut reading.forces)?;
         reading.sequence = self.frame.sequence;

@@ -36,6 +36,18 @@ impl TactileFrame {
         }
     }
 
+    /// Checks that the frame has as many elements as the sensor.
+    ///
+    /// # Errors
+    /// If the number of elements differs from `expected`.
+    pub fn check_elements(&self, expected: usize) -> Result<(), SensorError> {
+        let actual = self.forces.len();
+        match actual == expected {
+            true => Ok(()),
+            false => Err(SensorError::ElementCount { expected, actual }),
+        }
+    }
+
     /// Returns whether the force at `element` is valid; `false` if there is no such element.
     pub fn is_valid(&self, element: usize) -> bool {
         self.forces.get(element).is_some_and(|f| !f.is_nan())

@@ -1,5 +1,6 @@
 //! Decodes the bytes of a skin.
 
+use super::step::Step;
 use super::{SerialConfig, SkinProtocol};
 use super::{flexitac, magnetometers, paxini};
 use glam::DVec3;
@@ -8,22 +9,6 @@ use glam::DVec3;
 const READ: usize = 4096;
 /// Maximum number of frames buffered while searching for the beginning of a frame.
 const FRAMES: usize = 8;
-
-/// Next step of decoding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Step {
-    /// Wait for more bytes.
-    Wait,
-    /// Skip this number of bytes, which are not part of a frame.
-    Skip(usize),
-    /// Return the frame that begins at byte `first`, and continue at byte `end`.
-    Frame {
-        /// Index of the frame's first byte.
-        first: usize,
-        /// Number of bytes to remove from the buffer.
-        end: usize,
-    },
-}
 
 #[derive(Debug, Clone)]
 enum Format {

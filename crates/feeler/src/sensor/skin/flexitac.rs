@@ -1,6 +1,6 @@
 //! Matrices of pressure-sensitive resistors: FlexiTac.
 
-use super::decoder::Step;
+use super::step::Step;
 use glam::DVec3;
 
 /// First bytes of a frame.

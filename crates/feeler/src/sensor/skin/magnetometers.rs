@@ -1,6 +1,6 @@
 //! Boards with MLX90393 magnetometers: AnySkin, ReSkin, eFlesh.
 
-use super::decoder::Step;
+use super::step::Step;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 

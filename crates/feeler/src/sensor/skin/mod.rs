@@ -20,6 +20,7 @@ mod decoder;
 mod flexitac;
 mod magnetometers;
 mod paxini;
+mod step;
 
 pub use arrivals::Arrivals;
 pub use config::{SerialConfig, SkinProtocol};

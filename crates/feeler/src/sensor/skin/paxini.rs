@@ -8,7 +8,7 @@
 //! Numbers are little-endian. `count` is the number of data bytes, 3 per taxel. The sum of all bytes of a packet is 0
 //! modulo 256. Readings are in tenths of a newton.
 
-use super::decoder::Step;
+use super::step::Step;
 use glam::DVec3;
 
 /// First bytes of a request.

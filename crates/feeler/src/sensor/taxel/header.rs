@@ -49,7 +49,7 @@ pub fn find_header<R: BufRead>(
             return Ok((Columns::find(layout, header, timed)?, cells, false));
         }
         if is_numbers(&cells) {
-            let columns = without_header(layout, timed, (number, cells.count()))?;
+            let columns = without_header(layout, timed, number, cells.count())?;
             return Ok((columns, cells, true));
         }
         let place = TablePosition {
@@ -74,7 +74,8 @@ fn is_numbers(cells: &Cells) -> bool {
 fn without_header(
     layout: &TaxelLayout,
     timed: bool,
-    (line, cells): (u64, usize),
+    line: u64,
+    cells: usize,
 ) -> Result<Columns, TaxelError> {
     let no_header = || TaxelError::NoHeader {
         line,

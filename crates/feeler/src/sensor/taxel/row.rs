@@ -43,7 +43,8 @@ impl Values {
     pub fn read(
         &mut self,
         columns: &Columns,
-        (line, cells): (u64, &Cells),
+        line: u64,
+        cells: &Cells,
         problems: &mut TableProblems,
     ) -> bool {
         self.values.fill(DVec3::NAN);

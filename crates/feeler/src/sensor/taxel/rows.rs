@@ -123,8 +123,8 @@ impl<R: BufRead> TaxelRows<R> {
                 }
                 self.refuse_decimal_commas(line).map_err(invalid)?;
             }
-            let cells = (line, &self.cells);
-            if self.values.read(&self.columns, cells, &mut self.problems) {
+            let problems = &mut self.problems;
+            if self.values.read(&self.columns, line, &self.cells, problems) {
                 self.take(line, row);
                 return Ok(true);
             }

@@ -2,7 +2,7 @@
 
 use super::{
     TablePosition, TableProblem, TableProblems, TaxelChain, TaxelError, TaxelLayout, TaxelRow,
-    TaxelRows, TaxelUnit,
+    TaxelRows,
 };
 use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
 use std::io::BufRead;
@@ -37,7 +37,6 @@ pub struct TaxelSensor<R> {
     rows: TaxelRows<R>,
     row: TaxelRow,
     chain: TaxelChain,
-    unit: TaxelUnit,
     /// `true` if taxels without a zero in this sequence have been reported.
     zero_told: bool,
 }
@@ -54,14 +53,8 @@ impl<R: BufRead> TaxelSensor<R> {
             rows: TaxelRows::open(stream, layout, rate)?,
             row: TaxelRow::new(chain.element_count()),
             chain,
-            unit: layout.force_unit(),
             zero_told: false,
         })
-    }
-
-    /// Unit of the forces. Forces in counts can be compared only with each other and with thresholds in counts.
-    pub fn unit(&self) -> TaxelUnit {
-        self.unit
     }
 
     /// Returns `true` if the current frame starts a sequence. Shear rates must not span two sequences.
@@ -111,10 +104,7 @@ impl<R: BufRead> TactileSensor for TaxelSensor<R> {
 
     /// Reads the next row; blocks until it is available. Neither allocates nor panics.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let (expected, actual) = (self.element_count(), reading.forces.len());
-        if expected != actual {
-            return Err(SensorError::ElementCount { expected, actual });
-        }
+        reading.check_elements(self.element_count())?;
         match self.rows.next(&mut self.row) {
             Ok(true) => {}
             Ok(false) => {

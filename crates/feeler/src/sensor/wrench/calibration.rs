@@ -2,54 +2,20 @@
 
 use super::basis::Basis;
 use super::error::{VERSION, WrenchError};
-use super::moments::{MomentBasis, Terms};
-use super::novelty::{MAX_DIRECTIONS, Novelty};
-use super::passport::Passport;
+pub use super::model::{AxisModel, WrenchModel};
+use super::moments::MomentBasis;
+use super::novelty::MAX_DIRECTIONS;
+use super::passport::{Passport, Verification};
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
 use crate::sensor::calibration::load_range::FINGERTIP_RANGE;
 use crate::sensor::fingertip::made_for::CalibrationTarget;
+use crate::sensor::fingertip::sha256;
 use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
 /// Maximum absolute value of a number in the file: far above any measurement and far below overflow of sums.
 pub(super) const LARGEST: f64 = 1e15;
-
-/// Regression model of one component.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisModel<T = Terms> {
-    /// The component.
-    pub axis: WrenchAxis,
-    /// Terms used by the regression.
-    pub terms: T,
-    /// Ridge penalty on the squared weights; features have a variance of 1.
-    pub penalty: f64,
-    /// Prediction if all terms are 0 (N, N·m or m).
-    pub intercept: f64,
-    /// Weight of each term, in the order of [`Basis::terms`] (N, N·m or m).
-    pub weights: Vec<f64>,
-}
-
-impl<T: Copy> AxisModel<T> {
-    /// Predicts the component from standardised `features` (N, N·m or m). Neither allocates nor panics.
-    pub fn value<B: Basis<Terms = T>>(&self, basis: &B, features: &[f64]) -> f64 {
-        let terms = basis.terms(self.terms, features).zip(&self.weights);
-        self.intercept + terms.map(|(term, weight)| term * weight).sum::<f64>()
-    }
-}
-
-/// Model that predicts a wrench from the features of all elements.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, bound = "")]
-pub struct WrenchModel<B: Basis> {
-    /// Regression model of each component, in the order of [`WrenchAxis::ALL`].
-    pub axes: Vec<AxisModel<B::Terms>>,
-    /// Distribution of the calibration's samples, to detect samples that differ from them.
-    pub novelty: Novelty<B::Terms>,
-    /// Reference and statistics of the sensor's elements.
-    pub elements: B,
-}
 
 /// The wrench calibration of a camera's fingertip.
 pub type WrenchCalibration = CalibrationOf<MomentBasis>;
@@ -123,6 +89,53 @@ impl<B: Basis> CalibrationOf<B> {
     /// If a value cannot be represented in TOML.
     pub fn to_toml(&self) -> Result<String, WrenchError> {
         Ok(toml::to_string(self)?)
+    }
+
+    /// Sets the passport and its checksum.
+    ///
+    /// # Errors
+    /// If a value cannot be represented in TOML.
+    pub fn sign(&mut self, passport: Passport) -> Result<(), WrenchError> {
+        self.passport = Some(passport);
+        let sha256 = self.checksum()?;
+        if let Some(passport) = &mut self.passport {
+            passport.sha256 = sha256;
+        }
+        Ok(())
+    }
+
+    /// Appends a verification to the passport, and creates the passport if missing.
+    pub fn add_verification(&mut self, verification: Verification) -> Result<(), WrenchError> {
+        let mut passport = self.passport.take().unwrap_or_default();
+        passport.verifications.push(verification);
+        self.sign(passport)
+    }
+
+    /// SHA-256 of the canonical TOML without the checksum field.
+    ///
+    /// # Errors
+    /// If a value cannot be represented in TOML.
+    pub fn checksum(&self) -> Result<String, WrenchError> {
+        let mut unsigned = self.clone();
+        if let Some(passport) = &mut unsigned.passport {
+            passport.sha256.clear();
+        }
+        Ok(sha256(&unsigned.to_toml()?))
+    }
+
+    /// Rejects a calibration that was modified after it was written. Accepts a calibration without a passport.
+    fn check_checksum(&self) -> Result<(), WrenchError> {
+        let Some(Passport { sha256, .. }) = &self.passport else {
+            return Ok(());
+        };
+        let actual = self.checksum()?;
+        match actual == *sha256 {
+            true => Ok(()),
+            false => Err(WrenchError::Checksum {
+                expected: sha256.clone(),
+                actual,
+            }),
+        }
     }
 
     /// Checks that the calibration was made for the sensor `here`.

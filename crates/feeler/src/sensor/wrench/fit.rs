@@ -6,15 +6,11 @@ use super::basis::MAX_MISSING;
 use super::calibration::CalibrationOf;
 use super::error::{VERSION, WrenchError};
 use super::learn::{MIN_ROWS, can_be_learned, learn, target};
-use super::moments::MomentBasis;
 use super::novelty::MARGIN;
 use super::quality::{AxisQuality, HeldOut, band_95};
 use super::sample::SampleOf;
 use super::validation::validate;
 use crate::sensor::fingertip::made_for::CalibrationTarget;
-
-/// Result of fitting a camera's fingertip.
-pub type WrenchFit = FitOf<MomentBasis>;
 
 /// Result of fitting a sensor with features `B`.
 #[derive(Debug, Clone, PartialEq)]

@@ -21,6 +21,7 @@ pub mod estimator;
 pub mod fit;
 pub mod forces;
 mod learn;
+mod model;
 pub mod moments;
 pub mod novelty;
 pub mod passport;
@@ -38,7 +39,7 @@ pub mod verification;
 pub use calibration::{AxisModel, CalibrationOf, WrenchCalibration};
 pub use error::WrenchError;
 pub use estimator::{EstimatorOf, WrenchEstimate, WrenchEstimator};
-pub use fit::{FitOf, WrenchFit, fit};
+pub use fit::{FitOf, fit};
 pub use sample::{SampleOf, WrenchSample};
 pub use sensor::WrenchSensor;
 

@@ -2,11 +2,8 @@
 //!
 //! Ranges and held-out errors are part of the calibration ([`AxisQuality`](super::quality::AxisQuality)).
 
-use super::basis::Basis;
-use super::calibration::CalibrationOf;
-use super::error::WrenchError;
-use super::verification::Verification;
-use crate::sensor::fingertip::sha256;
+use super::WrenchAxis;
+use super::quality::Errors;
 use serde::{Deserialize, Serialize};
 
 /// Origin and test history of a calibration.
@@ -29,51 +26,44 @@ pub struct Passport {
     pub verifications: Vec<Verification>,
 }
 
-impl<B: Basis> CalibrationOf<B> {
-    /// Sets the passport and its checksum.
-    ///
-    /// # Errors
-    /// If a value cannot be represented in TOML.
-    pub fn sign(&mut self, passport: Passport) -> Result<(), WrenchError> {
-        self.passport = Some(passport);
-        let sha256 = self.checksum()?;
-        if let Some(passport) = &mut self.passport {
-            passport.sha256 = sha256;
-        }
-        Ok(())
-    }
+/// Result of testing a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Verification {
+    /// Date of the test, UTC, as in 2026-11-28.
+    pub date: String,
+    /// Maximum probability of rejecting a valid calibration, if presses are independent.
+    pub false_alarm_rate: f64,
+    /// `true` if no component was rejected.
+    pub valid: bool,
+    /// Result for each measured component of the calibration.
+    pub axes: Vec<AxisVerification>,
+}
 
-    /// Appends a verification to the passport, and creates the passport if missing.
-    pub fn add_verification(&mut self, verification: Verification) -> Result<(), WrenchError> {
-        let mut passport = self.passport.take().unwrap_or_default();
-        passport.verifications.push(verification);
-        self.sign(passport)
-    }
+/// Result of testing one component.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisVerification {
+    /// The component.
+    pub axis: WrenchAxis,
+    /// Number of presses.
+    pub presses: usize,
+    /// Number of presses with more than half of the samples outside the 95 % band, or not similar to the calibration's
+    /// samples.
+    pub outside: usize,
+    /// Minimum number of presses outside the band for which the component is rejected.
+    pub rejected_from: usize,
+    /// Errors of the valid samples (N, N·m or m); `None` if no sample is valid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub errors: Option<Errors>,
+    /// Slope of the regression of measured on predicted values, minus 1; `None` if predictions are constant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain_drift: Option<f64>,
+}
 
-    /// SHA-256 of the canonical TOML without the checksum field.
-    ///
-    /// # Errors
-    /// If a value cannot be represented in TOML.
-    pub fn checksum(&self) -> Result<String, WrenchError> {
-        let mut unsigned = self.clone();
-        if let Some(passport) = &mut unsigned.passport {
-            passport.sha256.clear();
-        }
-        Ok(sha256(&unsigned.to_toml()?))
-    }
-
-    /// Rejects a calibration that was modified after it was written. Accepts a calibration without a passport.
-    pub(super) fn check_checksum(&self) -> Result<(), WrenchError> {
-        let Some(Passport { sha256, .. }) = &self.passport else {
-            return Ok(());
-        };
-        let actual = self.checksum()?;
-        match actual == *sha256 {
-            true => Ok(()),
-            false => Err(WrenchError::Checksum {
-                expected: sha256.clone(),
-                actual,
-            }),
-        }
+impl AxisVerification {
+    /// Returns `true` if the component was rejected.
+    pub fn is_rejected(&self) -> bool {
+        self.outside >= self.rejected_from
     }
 }

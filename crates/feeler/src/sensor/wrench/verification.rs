@@ -9,63 +9,21 @@
 //!
 //! [`AxisQuality::band_95`]: super::quality::AxisQuality::band_95
 
+use super::MeasuredWrench;
 use super::basis::Basis;
 use super::calibration::CalibrationOf;
 use super::error::WrenchError;
 use super::estimator::EstimatorOf;
+pub use super::passport::{AxisVerification, Verification};
 use super::presses::presses;
 use super::quality::{AxisQuality, Errors};
 use super::sample::SampleOf;
-use super::{MeasuredWrench, WrenchAxis};
 use crate::sensor::table::Quantity;
-use serde::{Deserialize, Serialize};
 
 /// Maximum probability that more than half of a press's samples are outside the 95 % band of a valid calibration.
 const MAX_OUTSIDE: f64 = 0.1;
 
-/// Result of testing a calibration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Verification {
-    /// Date of the test, UTC, as in 2026-11-28.
-    pub date: String,
-    /// Maximum probability of rejecting a valid calibration, if presses are independent.
-    pub false_alarm_rate: f64,
-    /// `true` if no component was rejected.
-    pub valid: bool,
-    /// Result for each measured component of the calibration.
-    pub axes: Vec<AxisVerification>,
-}
-
-/// Result of testing one component.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct AxisVerification {
-    /// The component.
-    pub axis: WrenchAxis,
-    /// Number of presses.
-    pub presses: usize,
-    /// Number of presses with more than half of the samples outside the 95 % band, or not similar to the calibration's
-    /// samples.
-    pub outside: usize,
-    /// Minimum number of presses outside the band for which the component is rejected.
-    pub rejected_from: usize,
-    /// Errors of the valid samples (N, N·m or m); `None` if no sample is valid.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub errors: Option<Errors>,
-    /// Slope of the regression of measured on predicted values, minus 1; `None` if predictions are constant.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gain_drift: Option<f64>,
-}
-
-impl AxisVerification {
-    /// Returns `true` if the component was rejected.
-    pub fn is_rejected(&self) -> bool {
-        self.outside >= self.rejected_from
-    }
-}
-
-/// Tests `calibration` with `samples`, in order of time within each recording. `date` is stored as the date of the
+/// Tests `calibration` with `samples`, in order of time within each recording. `date` is recorded as the date of the
 /// test.
 ///
 /// Samples outside the calibrated range of a component are ignored, and so are presses whose measured forces and

@@ -24,11 +24,9 @@ pub use join::{MAX_DELAY, MeasuredAt, MeasuredSeries, TaxelSeries, estimate_dela
 pub use memory::{Memory, TIME_CONSTANTS, TaxelInput};
 pub use sensor::TaxelWrenchSensor;
 
-use super::{CalibrationOf, FitOf, SampleOf};
+use super::{CalibrationOf, SampleOf};
 
 /// Wrench calibration of a taxel array.
 pub type TaxelCalibration = CalibrationOf<TaxelBasis>;
-/// Result of fitting a taxel array.
-pub type TaxelFit = FitOf<TaxelBasis>;
 /// Taxel readings and the wrench measured at the same time.
 pub type TaxelSample = SampleOf<TaxelBasis>;
