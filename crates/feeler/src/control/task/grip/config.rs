@@ -177,7 +177,7 @@ pub struct PartialSlipConfig {
 impl Default for PartialSlipConfig {
     fn default() -> Self {
         Self {
-            utilisation: 0.9,
+            utilisation: 0.81,
             group_share: 0.2,
             slip_from: 0.88,
             slip_gain: 3.0,
