@@ -2,7 +2,7 @@
 
 use super::flags::FlagThresholds;
 use super::limits::LimitsConfig;
-use super::monitor_config::MonitorConfig;
+use super::monitor::MonitorConfig;
 use crate::check::{Checker, MAX};
 use crate::control::law::tri_axial::Reflex;
 use crate::control::law::{HandLaw, LawConfig, LawError};

@@ -2,15 +2,13 @@
 
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
-use super::effort_monitor::EffortMonitor;
 use super::input_check::{check_count, check_input, check_load};
-use super::joint_monitor::JointMonitor;
 use super::limits::{LimitedCommand, Request};
+use super::monitor::{EffortMonitor, JointMonitor, StuckSensorDetector};
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandReadings};
 use super::stop_reason::StopReason;
-use super::stuck_sensor::StuckSensorDetector;
 use super::touch::TactileReading;
 use crate::control::law::{FingerLaws, HandLaw, Law, LawError};
 use crate::control::task::{Task, TaskConfig};

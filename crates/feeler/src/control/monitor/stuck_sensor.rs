@@ -1,7 +1,7 @@
 //! Detects a camera that repeats the same image, from forces that do not change.
 
-use super::stop_reason::StopReason;
-use super::touch::TactileReading;
+use crate::control::stop_reason::StopReason;
+use crate::control::touch::TactileReading;
 use glam::DVec3;
 
 /// Counts consecutive tactile frames with new stamps but bit-identical forces. Camera noise changes every image and

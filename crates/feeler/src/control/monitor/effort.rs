@@ -4,14 +4,14 @@
 //! While a finger moves slowly, the effort of each joint's motor balances the forces on the fingertip: `effort = -J^T
 //! f`, with the Jacobian `J` and the force `f` on the fingertip by the object. Both sides are averaged, because
 //! currents are noisy. The tolerance is one and a half times the largest recent uncertainty of the effort plus
-//! [`effort_share`](super::monitor_config::MonitorConfig::effort_share) of the larger side. If a joint exceeds it for
+//! [`effort_share`](super::MonitorConfig::effort_share) of the larger side. If a joint exceeds it for
 //! some time, the effort contradicts the tactile sensor.
 //!
 //! Weight, inertia and viscous friction of the finger, and the moment of the forces about the dome's centre, are
 //! neglected.
 
-use super::monitor_config::MonitorConfig;
-use super::stop_reason::StopReason;
+use super::MonitorConfig;
+use crate::control::stop_reason::StopReason;
 use crate::hand::geometry::FingerGeometry;
 use crate::hand::joint_vector::JointVector;
 use crate::hand::kinematics::jacobian;
@@ -30,7 +30,7 @@ const UNCERTAINTY_FACTOR: f64 = 1.5;
 
 /// Compares the efforts of one finger's drives with the forces that its fingertip measures.
 #[derive(Debug, Clone)]
-pub(super) struct EffortMonitor {
+pub struct EffortMonitor {
     share: f64,
     /// Maximum time between two readings (s); after a longer gap, the comparison restarts.
     most_gap: f64,

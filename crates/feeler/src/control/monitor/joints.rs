@@ -4,14 +4,14 @@
 //! delay, a first-order lag or any other response that neither overshoots nor takes longer than `servo_lag`, the joint
 //! angle is a weighted mean of `Q` within that time. So the minimum and maximum of `Q` bound the rotation of the joint.
 //! If the measured rotation exceeds these bounds by more than
-//! [`joint_deviation`](super::monitor_config::MonitorConfig::joint_deviation) plus a fifth of the commanded rotation,
+//! [`joint_deviation`](super::MonitorConfig::joint_deviation) plus a fifth of the commanded rotation,
 //! the drive is blocked or does not follow its commands, or its sensor is frozen, reversed or has another scale.
 //! Pressing does not trigger this check: the feelers yield, and the law stops pressing at F2.
 //!
 //! **Jumps.** A joint cannot move faster than its speed limit, and cannot be far outside its limits.
 
-use super::monitor_config::MonitorConfig;
-use super::stop_reason::StopReason;
+use super::MonitorConfig;
+use crate::control::stop_reason::StopReason;
 use crate::hand::geometry::FingerGeometry;
 use crate::hand::joint_vector::JointVector;
 use std::f64::consts::FRAC_PI_2;
