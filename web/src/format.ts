@@ -1,8 +1,10 @@
 /** Number formatting. The rules are those of `text.rs` in feeler-report, so that static and interactive parts agree. */
 
-/** Formats a number with three significant digits (integer parts are never rounded) and a typographic minus sign. */
+/** Formats a number with three significant digits (integer parts are never rounded) and a typographic minus sign. A dash for NaN. */
 export function significant(value: number): string {
-  if (value === 0 || !Number.isFinite(value)) return "0";
+  if (value === 0) return "0";
+  if (Number.isNaN(value)) return "–";
+  if (!Number.isFinite(value)) return value < 0 ? "\u2212∞" : "∞";
   const magnitude = Math.abs(value);
   const decimals = Math.min(Math.max(2 - Math.floor(Math.log10(magnitude)), 0), 9);
   const digits = magnitude.toFixed(decimals);

@@ -5,10 +5,14 @@ pub fn value(value: Option<f64>) -> String {
     value.map_or_else(|| "–".into(), significant)
 }
 
-/// Formats a number with three significant digits (integers with all digits) and a proper minus sign.
+/// Formats a number with three significant digits (integers with all digits) and a proper minus sign. A dash for NaN.
 pub fn significant(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return "0".into();
+    match value {
+        0.0 => return "0".into(),
+        f64::INFINITY => return "∞".into(),
+        f64::NEG_INFINITY => return "\u{2212}∞".into(),
+        value if value.is_nan() => return "–".into(),
+        _ => {}
     }
     let magnitude = value.abs();
     let decimals = (2 - magnitude.log10().floor() as i32).clamp(0, 9) as usize;
@@ -81,6 +85,8 @@ mod tests {
         assert_eq!(significant(123_456.0), "123456");
         assert_eq!(significant(-1e-13), "0");
         assert_eq!(significant(0.15), "0.15");
+        let [nan, infinity] = [f64::NAN, f64::NEG_INFINITY].map(significant);
+        assert_eq!([&*nan, &*infinity], ["–", "\u{2212}∞"]);
     }
 
     #[test]
