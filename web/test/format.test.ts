@@ -11,7 +11,8 @@ test("numbers have three significant digits, as in feeler-report", () => {
   assert.equal(significant(123456), "123456");
   assert.equal(significant(-1e-13), "0");
   assert.equal(significant(0.15), "0.15");
-  assert.equal(significant(NaN), "0");
+  assert.equal(significant(NaN), "–");
+  assert.equal(significant(-Infinity), "\u2212∞");
 });
 
 test("quantities have a unit; unknown quantities are a dash", () => {

@@ -152,7 +152,7 @@ mod tests {
             let page = LiveRun::open(&experiment, OPTIONS, &mut Vec::new());
             let mut page = page.expect("a page");
             let feed = Arc::clone(&page.feed);
-            let (mut step, mut whole, mut stopped) = (0, 0, 0);
+            let (mut step, mut whole, mut stopped, mut played) = (0, 0, 0, 0);
             let ran = session.run(
                 &mut FreeRunning::default(),
                 &AtomicBool::new(false),
@@ -166,7 +166,8 @@ mod tests {
                     }
                     feed.want();
                     feed.play(Felt::SILENT);
-                    assert!(assert_no_alloc(|| page.step(control_loop, at)).is_some());
+                    let felt = assert_no_alloc(|| page.step(control_loop, at));
+                    played += usize::from(felt.is_some());
                     feed.take(|moment| {
                         whole += usize::from(moment.numbers.len() == feed.width());
                         stopped += usize::from(moment.stopped);
@@ -175,8 +176,9 @@ mod tests {
                 },
             );
             ran.expect("a run");
-            // The server takes some of the moments.
+            // The server takes some of the states, and looks at the rumble at times.
             assert!(whole > step / 2, "{}: {whole} of {step}", built_in.name);
+            assert!(played > step / 2, "{}: {played} of {step}", built_in.name);
             assert!(stopped > 0, "{}", built_in.name);
         }
     }
