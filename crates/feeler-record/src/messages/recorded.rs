@@ -31,6 +31,14 @@ pub trait RecordedMessage: Stamped + Clone + Any {
         None
     }
 
+    /// Checks the fields of a decoded message beyond its stamp.
+    ///
+    /// # Errors
+    /// If they contradict each other. Returns a description.
+    fn check_fields(&self) -> Result<(), String> {
+        Ok(())
+    }
+
     /// Decodes a message and appends it to its list. `at` is the position of its bytes in the file.
     ///
     /// # Errors
@@ -43,6 +51,7 @@ pub trait RecordedMessage: Stamped + Clone + Any {
     ) -> Result<(), String> {
         let _ = at;
         let message: Self = decode_stamped(bytes)?;
+        message.check_fields()?;
         if let Some(list) = Self::list(recording, finger) {
             list.push(message);
         }
@@ -118,18 +127,8 @@ impl RecordedMessage for Efforts {
         Some(&mut recording.fingers.get_mut(finger?)?.efforts)
     }
 
-    fn read_into(
-        recording: &mut Recording,
-        finger: Option<usize>,
-        bytes: &[u8],
-        _: PictureAt,
-    ) -> Result<(), String> {
-        let message: Self = decode_stamped(bytes)?;
-        message.check()?;
-        if let Some(list) = Self::list(recording, finger) {
-            list.push(message);
-        }
-        Ok(())
+    fn check_fields(&self) -> Result<(), String> {
+        self.check()
     }
 }
 
