@@ -18,7 +18,7 @@ impl Summary {
         let factor = |seconds| finite(recording.readable_until / seconds);
         let strokes = data.stroke_measures();
         let claims = tasks::of_recording(recording).claims(recording, data, &strokes);
-        let screwed = (facts.task == TaskKind::Screw).then_some(());
+        let screws = facts.task == TaskKind::Screw;
         // Claims that hold for any hand, not only the reference hand.
         let is_for_any_hand = has_papers_claims(facts) && !is_felt(recording);
         let hand_claims = match is_for_any_hand && facts.stroke_count >= PAPERS_STROKES {
@@ -37,7 +37,7 @@ impl Summary {
             wall_time: recording.wall_time,
             real_time_factor: recording.wall_time.and_then(factor),
             stroke_pattern: StrokePattern::new(&strokes),
-            final_torque: screwed.and_then(|()| strokes.last()?.peak_torque),
+            final_torque: (strokes.last().filter(|_| screws)).and_then(|stroke| stroke.peak_torque),
             peak_element_force: maximum(strokes.iter().filter_map(|s| s.peak_element_force)),
             strokes,
             outcome: found.and_then(|f| f.outcome.clone()),
@@ -49,7 +49,7 @@ impl Summary {
             hand_claims,
             cap: CapMeasures::new(recording, data),
             success: None,
-            cap_angle: screwed.and_then(|()| finite(recording.cap.last()?.angle)),
+            cap_angle: (recording.cap.last().filter(|_| screws)).and_then(|cap| finite(cap.angle)),
             digest: recording.digest.to_string(),
         }
     }
