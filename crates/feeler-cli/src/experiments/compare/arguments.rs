@@ -35,7 +35,8 @@ pub struct Arguments {
     /// Number of trials per law.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     pub trials: u64,
-    /// Also search for the least grip that holds each object (grip experiments): six more trials per object.
+    /// Also search for the least grip that holds each object (grip experiments): six more trials per object,
+    /// without a bus.
     #[arg(long)]
     pub least_grip: bool,
     /// Parameter to vary, instead of friction, noise, eccentricity and seat angle. Repeatable.

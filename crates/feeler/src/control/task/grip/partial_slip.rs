@@ -16,8 +16,8 @@ use glam::{DVec3, DVec4};
 const LEAST_LOAD: f64 = 0.05;
 /// Lower bound of the grip force in ratios (N).
 const LEAST_GRIP: f64 = 0.03;
-/// Time over which the load is averaged (s). Without, the largest recent load would rise with the sensor's rate, by noise.
-const LOAD_TIME: f64 = 0.005;
+/// Averaging time of the load (s). Without averaging, noise would raise the largest recent load with the sensor's rate.
+const AVERAGING_TIME: f64 = 0.005;
 
 /// Maximum factor by which the inclination of the surface increases the load. The inclination is uncertain if few tips
 /// are in contact.
@@ -44,7 +44,7 @@ pub struct PartialSlip {
     total: DVec4,
     /// Ratio of total shear to total pressing force in the latest step.
     ratio: f64,
-    /// Load of a finger, averaged over [`LOAD_TIME`] (N).
+    /// Load of a finger, averaged over [`AVERAGING_TIME`] (N).
     mean_load: f64,
     /// Largest recent mean load of a finger (N).
     load: f64,
@@ -139,7 +139,7 @@ impl PartialSlip {
 
     /// Updates the `load` of a finger (N), `interval` (s) after the previous one.
     pub fn update_load(&mut self, load: f64, interval: f64) {
-        let kept = (1.0 - interval / LOAD_TIME).max(0.0);
+        let kept = (1.0 - interval / AVERAGING_TIME).max(0.0);
         let load = load + kept * (self.mean_load - load);
         self.mean_load = load;
         let forgotten = part(interval, self.config.load_time);
