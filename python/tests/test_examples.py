@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -86,9 +87,10 @@ def test_ctrl_c_keeps_the_best_policy_so_far(tmp_path: Path) -> None:
     needs("jax", "flax", "optax", "safetensors")
     out = tmp_path / "my.safetensors"
     command = example("train_policy.py", "-o", out, *NO_TIME, "--generations=1000")
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as training:
+    # Shells start background commands with SIGINT ignored, and child processes inherit that.
+    accept = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, preexec_fn=accept) as training:
         assert training.stdout is not None
-        # All functions are compiled then: JAX can lose an interrupt while it compiles.
         for line in training.stdout:
             if "generation 1:" in line:
                 break
