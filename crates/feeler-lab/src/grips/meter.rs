@@ -1,13 +1,13 @@
 //! Ground truth of a grasp in every step of the physics: grip, required grip, and slip.
 
-use super::object::{GripObject, OBJECT, STANDING, TABLE};
+use super::object::{GripObject, OBJECT, TABLE, THICKNESS};
 use feeler_sim::rig::acceleration;
 use feeler_sim::world::{State, WorldModel};
 use glam::DVec3;
 
-/// Gap between object and table above which the object is in the air (m).
+/// Gap between the object's lowest point and the table above which the object is in the air (m).
 const IN_AIR: f64 = 3e-4;
-/// Gap between object and table above which losing the object counts as dropping it (m).
+/// Gap between the object's lowest point and the table above which losing the object counts as dropping it (m).
 const DROP: f64 = 4e-3;
 /// Displacement of the object relative to the fingers above which it counts as dropped (m).
 const SLID: f64 = 0.015;
@@ -16,7 +16,8 @@ const SLID: f64 = 0.015;
 const WHOLE: f64 = 0.01;
 /// Minimum time between two slips of a contact (s).
 const APART: f64 = 0.1;
-/// Relative increase of a finger's force above which the finger has reacted to a slip.
+/// Relative increase of a finger's force that counts as a reaction to a slip. Forces also change without a motion of the
+/// fingers, so it is the increase by the distance that the fingers have closed.
 const MORE: f64 = 0.01;
 /// Fraction of the grip below which the pressing force of an element is neglected.
 const FAINT: f64 = 0.002;
@@ -24,9 +25,9 @@ const FAINT: f64 = 0.002;
 const AXIS: DVec3 = DVec3::X;
 
 /// Ground truth of a grasp so far.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct GripMeter {
-    static_friction: f64,
+    object: GripObject,
     /// Time for which the object was in the air (s).
     in_air: f64,
     /// Integral of the grip over that time (N s).
@@ -45,7 +46,7 @@ pub struct GripMeter {
     /// `true` if the object left the fingers in the air.
     pub dropped: bool,
     fingers: Vec<FingerMeter>,
-    /// Time from each onset of slip to the increase of the force (s); `None` if the force did not increase within a
+    /// Time from each onset of slip until the fingers have closed for more force (s); `None` if they did not within a
     /// second.
     pub reactions: Vec<Option<f64>>,
 }
@@ -59,17 +60,35 @@ struct FingerMeter {
     at: Vec<f64>,
     /// Time of the last step at which the whole contact slipped (s).
     whole: f64,
-    /// Onset of the slip to which the finger has not reacted yet: time (s), and force of the finger (N).
-    onset: Option<(f64, f64)>,
+    /// Onset of the slip to which the gripper has not reacted yet.
+    onset: Option<Onset>,
+}
+
+/// Onset of a slip.
+#[derive(Debug, Clone, Copy)]
+struct Onset {
+    /// Time (s).
+    time: f64,
+    /// Distance between the fingers at which the gripper has reacted (m).
+    reaction: f64,
 }
 
 impl GripMeter {
     /// Starts measuring the grasp of `object` by a number of `fingers`.
     pub fn new(object: &GripObject, fingers: usize) -> Self {
         Self {
-            static_friction: object.friction,
+            object: *object,
+            in_air: 0.0,
+            grip: 0.0,
+            required: 0.0,
+            peak: 0.0,
+            peak_required: 0.0,
+            highest: 0.0,
+            slid: 0.0,
+            start: None,
+            dropped: false,
             fingers: vec![FingerMeter::default(); fingers],
-            ..Self::default()
+            reactions: Vec::new(),
         }
     }
 
@@ -89,7 +108,8 @@ impl GripMeter {
             return;
         };
         let (own, table) = (&state.objects[object], &state.objects[table]);
-        let gap = own.pose.position.z - table.pose.position.z - STANDING;
+        let lowest = own.pose.position.z - self.object.height_of_centre(&own.pose.rotation);
+        let gap = lowest - table.pose.position.z - THICKNESS / 2.0;
         let mut pressing = [0.0; 2];
         let mut touches = false;
         for (finger, pressed) in state.fingers.iter().zip(&mut pressing) {
@@ -103,7 +123,7 @@ impl GripMeter {
         let in_air = gap > IN_AIR;
         let arm = acceleration(&model.arm, state.time);
         let load = own.mass * (model.gravity - arm) + own.pull;
-        let required = load.reject_from_normalized(AXIS).length() / (2.0 * self.static_friction);
+        let required = load.reject_from_normalized(AXIS).length() / (2.0 * self.object.friction);
         self.peak_required = self.peak_required.max(required);
         if in_air {
             self.in_air += model.step;
@@ -117,40 +137,62 @@ impl GripMeter {
             self.slid = self.slid.max(slid.length());
         }
         self.dropped |= self.slid > SLID || (gap > DROP && !touches);
-        self.watch_slip(state, object, pressing, in_air);
+        self.watch_slip(model, state, object, in_air);
     }
 
-    fn watch_slip(&mut self, state: &State, object: usize, pressing: [f64; 2], in_air: bool) {
+    /// Records the onsets of slip, and the reactions to them. A slip of a finger begins when the whole contact slips while
+    /// the object is in the air.
+    fn watch_slip(&mut self, model: &WorldModel, state: &State, object: usize, in_air: bool) {
         let now = state.time;
-        let fingers = state.fingers.iter().zip(&mut self.fingers).zip(pressing);
-        for ((finger, own), pressing) in fingers {
-            own.slipped.resize(finger.slipped.len(), 0.0);
-            own.at.resize(finger.slipped.len(), f64::NEG_INFINITY);
-            for ((before, at), &slipped) in
-                own.slipped.iter_mut().zip(&mut own.at).zip(&finger.slipped)
-            {
-                if slipped != *before {
-                    (*before, *at) = (slipped, now);
-                }
-            }
-            let mut touching = finger.contacts.iter().filter(|c| {
-                c.object == object && finger.forces[c.element].dot(AXIS).abs() > FAINT * pressing
-            });
-            let slips = pressing > 0.0 && touching.all(|c| now - own.at[c.element] <= WHOLE);
-            if let Some((onset, force)) = own.onset {
-                if pressing > (1.0 + MORE) * force {
-                    self.reactions.push(Some(now - onset));
-                    own.onset = None;
-                } else if now - onset > 1.0 {
-                    self.reactions.push(None);
+        let opening = opening(state);
+        let fingers = state.fingers.iter().zip(&mut self.fingers);
+        for ((finger, own), model) in fingers.zip(&model.fingers) {
+            own.update(now, &finger.slipped);
+            let contacts = || finger.contacts.iter().filter(|c| c.object == object);
+            let pressing_of = |element: usize| finger.forces[element].dot(AXIS).abs();
+            let pressing: f64 = contacts().map(|c| pressing_of(c.element)).sum();
+            let touching = || contacts().filter(|c| pressing_of(c.element) > FAINT * pressing);
+            let slips = pressing > 0.0 && touching().all(|c| now - own.at[c.element] <= WHOLE);
+            if let Some(onset) = own.onset {
+                let reacted = opening < onset.reaction;
+                if reacted || now - onset.time > 1.0 {
+                    self.reactions.push(reacted.then_some(now - onset.time));
                     own.onset = None;
                 }
             } else if slips && in_air && now - own.whole > APART {
-                own.onset = Some((now, pressing));
+                let stiffness = touching().map(|c| model.feelers[c.element].normal_stiffness);
+                let stiffness: f64 = stiffness.sum();
+                own.onset = Some(Onset {
+                    time: now,
+                    // Each finger closes by half of it.
+                    reaction: opening - 2.0 * MORE * pressing / stiffness,
+                });
             }
             if slips {
                 own.whole = now;
             }
         }
     }
+}
+
+impl FingerMeter {
+    /// Updates the times of the latest slips from the total slip distance of each element (m).
+    fn update(&mut self, now: f64, slipped: &[f64]) {
+        self.slipped.resize(slipped.len(), 0.0);
+        self.at.resize(slipped.len(), f64::NEG_INFINITY);
+        for ((before, at), &slipped) in self.slipped.iter_mut().zip(&mut self.at).zip(slipped) {
+            if slipped != *before {
+                (*before, *at) = (slipped, now);
+            }
+        }
+    }
+}
+
+/// Distance between the fingers (m).
+fn opening(state: &State) -> f64 {
+    let along = state.fingers.iter().map(|f| f.tip.position.dot(AXIS));
+    let ends = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    });
+    ends[1] - ends[0]
 }

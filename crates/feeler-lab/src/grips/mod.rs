@@ -143,3 +143,36 @@ fn watch(session: &Session, object: &GripObject) -> Arc<Mutex<GripMeter>> {
 fn locked(meter: &Mutex<GripMeter>) -> MutexGuard<'_, GripMeter> {
     meter.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Start of the shake (s).
+    const SHAKEN: f64 = 4.0;
+    /// Time at which the object has been tugged and filled (s).
+    const TUGGED: f64 = 7.5;
+
+    #[test]
+    fn a_gripper_that_is_stopped_does_not_react_to_slip() {
+        let mut slips = 0;
+        for seed in 0..6 {
+            let mut experiment = Experiment::load("grip", &[]).expect("an experiment");
+            let object = place_random_object(&mut experiment.config, seed);
+            let mut session = Session::rendering(&experiment, Pictures::Sensed).expect("a session");
+            let meter = watch(&session, &object);
+            let mut before = None;
+            while session.control_loop().state().stamp < TUGGED {
+                session.step().expect("a step");
+                if before.is_none() && session.control_loop().state().stamp > SHAKEN {
+                    session.stop("the test");
+                    before = Some(locked(&meter).reactions.len());
+                }
+            }
+            let reactions = &locked(&meter).reactions[before.expect("a stop")..];
+            assert!(reactions.iter().all(Option::is_none), "{reactions:?}");
+            slips += reactions.len();
+        }
+        assert!(slips > 0, "no object has slipped");
+    }
+}

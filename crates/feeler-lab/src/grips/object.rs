@@ -6,6 +6,7 @@ use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
 use feeler_sim::rig::{ArmMotion, ArmMotionKind, FaultConfig, FaultKind};
 use feeler_sim::shapes::ShapeConfig;
 use feeler_sim::world::SimConfig;
+use glam::DMat3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
@@ -21,9 +22,9 @@ const DEPTH: f64 = 0.030;
 /// Height of all objects (m).
 const HEIGHT: f64 = 0.060;
 /// Thickness of the table (m).
-const THICKNESS: f64 = 0.02;
+pub(super) const THICKNESS: f64 = 0.02;
 /// Height of the centre of an object on the table, relative to the centre of the table (m).
-pub(super) const STANDING: f64 = (HEIGHT + THICKNESS) / 2.0;
+const STANDING: f64 = (HEIGHT + THICKNESS) / 2.0;
 /// Height of the lift (m).
 const LIFT: f64 = 0.1;
 /// Distance by which the arm descends below its initial height (m), because an object that has slid in the grip may be
@@ -98,6 +99,17 @@ impl GripObject {
     /// Grip of a finger that crushes the object (N), where `required` is the largest grip that its load requires.
     pub fn crush_force(&self, required: f64) -> f64 {
         SURE + self.strength * required
+    }
+
+    /// Height of the centre above the lowest point (m) of the object in this orientation.
+    pub(super) fn height_of_centre(&self, rotation: &DMat3) -> f64 {
+        let vertical = rotation.row(2);
+        let half = self.width / 2.0;
+        let across = match self.is_round {
+            true => half * vertical.truncate().length(),
+            false => half * vertical.x.abs() + DEPTH / 2.0 * vertical.y.abs(),
+        };
+        across + HEIGHT / 2.0 * vertical.z.abs()
     }
 
     /// Adds the object, its table, the motion of the arm and the disturbances to the experiment `config` of a gripper.
@@ -233,5 +245,41 @@ fn table(position: [f64; 3]) -> ObjectConfig {
         orientation_deg: [0.0; 3],
         offset: [0.0; 3],
         friction: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, EulerRot};
+
+    #[test]
+    fn the_lowest_point_of_a_tilted_object_is_a_point_of_its_edge() {
+        for seed in 0..20 {
+            let object = GripObject::draw(seed);
+            let angle = 0.1 * seed as f64;
+            let rotation = DMat3::from_euler(EulerRot::XYZ, 0.3, angle, 0.7);
+            // Points of the lower and the upper edge, one per 0.1 mm or less.
+            let edge = |share: f64, height: f64| match object.is_round {
+                true => {
+                    let (sin, cos) = (TAU * share).sin_cos();
+                    object.width / 2.0 * DVec3::new(cos, sin, 0.0) + height * DVec3::Z
+                }
+                false => {
+                    let side = [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0)];
+                    let (x, y) = side[(4.0 * share) as usize % 4];
+                    DVec3::new(x * object.width / 2.0, y * DEPTH / 2.0, height)
+                }
+            };
+            let heights = [-HEIGHT / 2.0, HEIGHT / 2.0]
+                .into_iter()
+                .flat_map(|height| {
+                    (0..2000).map(move |n| (rotation * edge(f64::from(n) / 2000.0, height)).z)
+                });
+            let lowest = heights.fold(f64::INFINITY, f64::min);
+            let error = object.height_of_centre(&rotation) + lowest;
+            // Between two points of the circle, 20 mm (1 - cos(pi / 2000)) at most is missed.
+            assert!((0.0..1e-7).contains(&(error + 1e-12)), "{error}");
+        }
     }
 }
