@@ -4,11 +4,10 @@ use crate::run_outcome::{make_report, print_outcome};
 use feeler::control::RecordingFailure;
 use feeler_console::{CommandError, Outcome, Warnings};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::run_facts;
 use feeler_link::programs::{RemoteLoop, RigSpeed};
 use feeler_record::{
     Backpressure, CLOSE_TIMEOUT, InstrumentRecord, RecordError, RecordOptions, Recorder, RunEnd,
-    RunLog,
+    RunFacts, RunLog,
 };
 use feeler_report::run::make::{RECORDING, ReportOutcome};
 use std::io::Write;
@@ -47,13 +46,14 @@ enum State {
 }
 
 impl HandRecord {
-    /// Starts the recording of a hand of `experiment` in `folder`, flushed once per `flush_interval` (s).
+    /// Starts the recording of a hand of `experiment` with these `facts` in `folder`, flushed once per `flush_interval` (s).
     ///
     /// # Errors
     /// If a fingertip is invalid or the file cannot be written.
     pub fn create(
         folder: PathBuf,
         experiment: &Experiment,
+        facts: &RunFacts,
         patience: Backpressure,
         flush_interval: f64,
         warnings: Warnings,
@@ -67,10 +67,9 @@ impl HandRecord {
             efforts: config.measures_efforts(),
             ..RecordOptions::default()
         };
-        let facts = run_facts(config)?;
         let file = folder.join(RECORDING);
-        let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
-        let log = RunLog::new(recorder, &facts)?;
+        let recorder = Recorder::create_with(file, facts, &experiment.toml, &options)?;
+        let log = RunLog::new(recorder, facts)?;
         Ok(Self {
             log: match options.efforts {
                 true => log.with_efforts(),

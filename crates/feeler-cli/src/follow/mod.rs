@@ -14,7 +14,7 @@ use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, record_options};
 use feeler_lab::experiment::rigs::linked::following_program;
-use feeler_lab::experiment::{Session, geometries, layouts};
+use feeler_lab::experiment::{Session, following_facts, geometries, layouts};
 use feeler_link::programs::RigSpeed;
 use feeler_rig::print_outcome;
 use serde_json::Value;
@@ -132,7 +132,10 @@ impl Following<'_> {
             self.interrupted,
             &mut stderr(),
             |experiment, speed, network| {
-                following_program(experiment, &self.requests, *lifetime, speed, network)
+                let facts = following_facts(&experiment.config)?;
+                let program =
+                    following_program(experiment, &self.requests, *lifetime, speed, network)?;
+                Ok((program, facts))
             },
             |control_loop| self.board.update(control_loop, &self.requests),
         )

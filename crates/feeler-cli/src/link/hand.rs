@@ -8,10 +8,11 @@ use feeler_console::{Warnings, watch_for_interrupt};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::run_end;
 use feeler_lab::experiment::rigs::linked::{LinkedError, hand_program};
+use feeler_lab::experiment::run_facts;
 use feeler_link::programs::{HandProgram, RemoteLoop, RigSpeed};
 use feeler_link::security::Right;
 use feeler_link::transport::Network;
-use feeler_record::{RunEnd, RunState};
+use feeler_record::{RunEnd, RunFacts, RunState};
 use feeler_rig::{HandRecord, ListenOptions, open_stop_server, patience, request_real_time};
 use std::io::Write;
 use std::path::PathBuf;
@@ -64,16 +65,23 @@ impl Arguments {
 /// Controls a hand whose sensors and drives run in other programs, until the task is done.
 pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let interrupted = watch_for_interrupt()?;
-    run_hand(arguments, &interrupted, out, hand_program, |_| {})
+    let create = |experiment: &Experiment, speed, network| {
+        let facts = run_facts(&experiment.config)?;
+        Ok((hand_program(experiment, speed, network)?, facts))
+    };
+    run_hand(arguments, &interrupted, out, create, |_| {})
 }
 
-/// Runs the hand program that `create` creates, until its task is done or `interrupted` is set. `each_step` is called
-/// after every recorded step.
+/// A hand program and the facts of its run.
+pub type Created = (HandProgram, RunFacts);
+
+/// Runs the hand program that `create` creates with the facts of its run, until its task is done or `interrupted` is set.
+/// `each_step` is called after every recorded step.
 pub fn run_hand(
     arguments: &Arguments,
     interrupted: &AtomicBool,
     out: &mut dyn Write,
-    create: impl FnOnce(&Experiment, RigSpeed, Arc<dyn Network>) -> Result<HandProgram, LinkedError>,
+    create: impl FnOnce(&Experiment, RigSpeed, Arc<dyn Network>) -> Result<Created, LinkedError>,
     mut each_step: impl FnMut(&RemoteLoop),
 ) -> Result<Outcome, CommandError> {
     let session = arguments
@@ -83,7 +91,7 @@ pub fn run_hand(
     let link = session.link.with_right(&[Right::Hand])?;
     let listening = ListenOptions::from(&arguments.listening);
     let network = link.listen(rig, &listening)?;
-    let mut program = create(experiment, arguments.speed, network)?;
+    let (mut program, facts) = create(experiment, arguments.speed, network)?;
     let warnings = Warnings::on_stderr();
     program.set_warn(warnings.warn());
     let stopper = program.stopper();
@@ -104,6 +112,7 @@ pub fn run_hand(
     let mut record = HandRecord::create(
         folder,
         experiment,
+        &facts,
         patience(arguments.speed),
         arguments.flush.flush_interval,
         warnings,

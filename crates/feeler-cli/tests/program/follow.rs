@@ -3,6 +3,7 @@
 use crate::program::{Ended, feeler, folder, run};
 use feeler_record::Recording;
 use serde_json::{Value, json};
+use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
@@ -73,6 +74,13 @@ fn a_simulated_hand_answers_each_line_and_follows_velocities() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let recording = Recording::read(folder.join("run/recording.mcap")).expect("a recording");
     assert!(recording.complete, "{:?}", recording.problem);
+    // The report makes no claims about a task that was not executed.
+    assert!(recording.facts.followed_requests());
+    let summary = fs::read_to_string(folder.join("run/summary.json")).expect("a summary");
+    let summary: Value = serde_json::from_str(&summary).expect("JSON");
+    assert_eq!(summary["claims"], json!([]), "{summary}");
+    assert_eq!(summary["hand_claims"], Value::Null, "{summary}");
+    assert_eq!(summary["success"]["criterion"], "the task was completed");
 }
 
 #[test]

@@ -23,6 +23,22 @@ pub fn run_facts(config: &ExperimentConfig) -> Result<RunFacts, ExperimentError>
     Ok(facts_with(config, &layouts(config)?))
 }
 
+/// Like [`run_facts`], for a hand that follows the requests of another program.
+///
+/// # Errors
+/// Same as [`run_facts`].
+pub fn following_facts(config: &ExperimentConfig) -> Result<RunFacts, ExperimentError> {
+    Ok(following(run_facts(config)?))
+}
+
+/// Returns `facts` for a hand that follows the requests of another program.
+pub fn following(facts: RunFacts) -> RunFacts {
+    RunFacts {
+        law: Some(RunFacts::REQUESTS.to_string()),
+        ..facts
+    }
+}
+
 /// Like [`run_facts`], for fingertips with the elements of `layouts`.
 fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts {
     let paths: Vec<([f64; 3], [f64; 3])> = match &config.task {

@@ -26,8 +26,8 @@ pub use truth::Truth;
 pub use warnings::warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig, Sensing};
-pub use facts::run_facts;
 pub(crate) use facts::{cap_facts, true_section};
+pub use facts::{following_facts, run_facts};
 pub use instruments::Instruments;
 
 use facts::simulated_facts;
@@ -166,6 +166,8 @@ pub struct Session {
     taken: FrameCounter,
     /// `true` if the world advances independently of the steps.
     is_driven: bool,
+    /// `true` if the hand follows the requests of another program.
+    follows_requests: bool,
 }
 
 impl Session {
@@ -231,6 +233,7 @@ impl Session {
             max_missed: u64::MAX,
             taken,
             is_driven: false,
+            follows_requests: false,
         })
     }
 
@@ -251,6 +254,7 @@ impl Session {
         let mut session = Self::with_task_rendering(experiment, task, &homes, Pictures::Sensed)?;
         session.set_laws(|_| planned_velocity());
         session.time_limit = f64::INFINITY;
+        session.follows_requests = true;
         Ok(session)
     }
 
@@ -393,7 +397,11 @@ impl Session {
 
     /// Returns the constants of the run, with ground truth of the simulated world.
     pub fn facts(&self, config: &ExperimentConfig) -> RunFacts {
-        simulated_facts(config, &self.layouts, &self.rig.world())
+        let facts = simulated_facts(config, &self.layouts, &self.rig.world());
+        match self.follows_requests {
+            true => facts::following(facts),
+            false => facts,
+        }
     }
 
     /// Returns the element layout of each fingertip.

@@ -38,8 +38,8 @@ pub struct RunFacts {
     pub version: String,
     /// Source of the forces.
     pub sensing: SensingKind,
-    /// Name of the control law, as in the experiment file, such as `tri-axial`. Not part of the digest, because the
-    /// experiment is.
+    /// Name of the control law, as in the experiment file, such as `tri-axial`, or [`REQUESTS`](Self::REQUESTS). Not part
+    /// of the digest, because the experiment is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
     /// Period of the control loop (s), 0.0001 to 1.
@@ -120,6 +120,14 @@ fn screw() -> TaskKind {
 }
 
 impl RunFacts {
+    /// Value of [`law`](Self::law) if another program requested the joint velocities.
+    pub const REQUESTS: &str = "requests";
+
+    /// Returns `true` if another program requested the joint velocities, so that the experiment's task was not executed.
+    pub fn followed_requests(&self) -> bool {
+        self.law.as_deref() == Some(Self::REQUESTS)
+    }
+
     /// Returns `true` if `finger` has three joints, or its geometry is unknown.
     pub(crate) fn has_three_joints(&self, finger: usize) -> bool {
         let model = self.hand.get(finger);

@@ -31,6 +31,7 @@ impl Criterion {
     /// same criterion.
     pub fn of(facts: &RunFacts, laws_differ: bool) -> Self {
         match (&facts.task, facts.cap) {
+            _ if facts.followed_requests() => Self::Done,
             (TaskKind::Contour | TaskKind::Carry | TaskKind::FrictionScan | TaskKind::Grip, _) => {
                 Self::Claims
             }

@@ -20,7 +20,8 @@ impl Summary {
         let claims = tasks::of_recording(recording).claims(recording, data, &strokes);
         let screws = facts.task == TaskKind::Screw;
         // Claims that hold for any hand, not only the reference hand.
-        let is_for_any_hand = has_papers_claims(facts) && !is_felt(recording);
+        let is_for_any_hand =
+            has_papers_claims(facts) && !is_felt(recording) && !facts.followed_requests();
         let hand_claims = match is_for_any_hand && facts.stroke_count >= PAPERS_STROKES {
             true => of_any_hand(data, &strokes),
             false => Vec::new(),

@@ -30,10 +30,11 @@ pub fn has_papers_claims(facts: &RunFacts) -> bool {
     !is_another && facts.cap.is_none()
 }
 
-/// `true` if the task's claims apply to runs with these facts. The paper's claims require its law.
+/// `true` if the task's claims apply to runs with these facts. No claims apply if another program moved the hand; the
+/// paper's claims require its law.
 pub fn claims_apply(facts: &RunFacts) -> bool {
     let another_law = facts.law.as_deref().is_some_and(|law| law != PAPERS_LAW);
-    !(another_law && has_papers_claims(facts))
+    !facts.followed_requests() && !(another_law && has_papers_claims(facts))
 }
 
 /// `true` if reports of runs with these facts show the task's claims. The paper's claims require enough planned
