@@ -53,8 +53,8 @@ pub fn grips_page(page: &GripsPage) -> String {
             "Dropped: the object was not lifted, slid by more than 15 mm in the grip, or left it in the air. Crushed: a finger pressed
             harder than this object bears. Least that held (with --least-grip): the least mean grip with which the law
             “known-friction”, which knows the kinetic friction, held the same object, over six margins. Load over 2 μ: the load across the
-            grip divided by twice the static friction; torsion and kinetic friction count as excess. Slips: all elements
-            of a finger slipped within 10 ms; the time counts until the finger presses 1 % harder."
+            grip divided by twice the static friction; torsion and kinetic friction count as excess. Slips in the air: all elements
+            of a finger slipped within 10 ms; the time counts until the fingers have closed far enough to press 1 % harder."
         }
         (figures(&drawn))
     };
