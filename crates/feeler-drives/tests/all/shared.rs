@@ -287,6 +287,18 @@ fn efforts_are_those_of_the_first_joint() {
 }
 
 #[test]
+fn couplings_state_how_far_each_other_joint_moves() {
+    assert!(config(Protocol::Dynamixel, 2).couplings().is_empty());
+    let mut config = share(config(Protocol::Dynamixel, 2));
+    config.finger[1].joint[2].direction *= -1;
+    for (joint, (coupling, ratio)) in config.couplings().iter().zip([0.5, 1.25, -1.0]).enumerate() {
+        assert_eq!((coupling.first, coupling.other), ((0, joint), (1, joint)));
+        assert!((coupling.ratio - ratio).abs() < 1e-12, "{coupling:?}");
+    }
+    assert_eq!(config.couplings().len(), 3);
+}
+
+#[test]
 fn mistakes_in_ids_and_keys_are_refused() {
     let refused = |change: &dyn Fn(&mut DrivesConfig), words: &[&str]| {
         let mut config = share(config(Protocol::Dynamixel, 2));
