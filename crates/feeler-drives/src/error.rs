@@ -5,7 +5,7 @@ use feeler::check::{Problem, joined};
 use feeler::hand::FingerGeometry;
 use std::fmt;
 
-/// A joint and the id of its servo.
+/// A joint and the id of its servo, which may move further joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct JointName {
     /// Finger, from 0.
@@ -152,6 +152,22 @@ pub enum DriveError {
         /// Lower limit, rad or m.
         lower: f64,
         /// Upper limit, rad or m.
+        upper: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
+    },
+    /// No position of a servo is within the limits of all joints that it moves.
+    #[error(
+        "{joint} would be between {lower:.4} and {upper:.4} {unit} while theta{} of finger {} is within its limits, beyond its own: expected a common range; home the hand, or check direction and travel of both joints", other.joint + 1, other.finger
+    )]
+    Apart {
+        /// First joint of the servo.
+        joint: JointName,
+        /// Joint that shares the servo.
+        other: JointName,
+        /// Lower limit of `joint` by the range of `other`, rad or m.
+        lower: f64,
+        /// Upper limit of `joint` by the range of `other`, rad or m.
         upper: f64,
         /// Unit: `rad` or `m`.
         unit: &'static str,

@@ -6,7 +6,7 @@ use crate::error::{DriveError, JointName};
 use crate::health::Health;
 use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, DriveMode, Model, Register, Registers};
-use crate::servo::JointLimits;
+use crate::servo::{ServoJoint, ServoJoints};
 use feeler::hand::FingerGeometry;
 
 /// A value that must be changed in a servo.
@@ -34,6 +34,31 @@ pub fn named_joints(config: &DrivesConfig) -> impl Iterator<Item = (JointName, &
             (JointName { finger, joint, id }, drive)
         })
     })
+}
+
+/// Servos of `config`, each with the first joint that it moves.
+pub fn named_servos(config: &DrivesConfig) -> impl Iterator<Item = (JointName, &JointDriveConfig)> {
+    named_joints(config).filter(|(_, drive)| !drive.shared)
+}
+
+/// Joints of `config` that the servo with this `id` moves.
+pub fn joints_of_servo(
+    config: &DrivesConfig,
+    id: u8,
+) -> impl Iterator<Item = (JointName, &JointDriveConfig)> {
+    named_joints(config).filter(move |(joint, _)| joint.id == id)
+}
+
+/// Returns the range of `joint` (rad or m) within which all joints that its servo moves are within their limits.
+///
+/// # Errors
+/// If the hand with these `fingers` has no such joint, or if no position of the servo suits all joints.
+pub fn servo_range(
+    config: &DrivesConfig,
+    fingers: &[FingerGeometry],
+    joint: JointName,
+) -> Result<(f64, f64), DriveError> {
+    Ok(ServoJoints::of(config, fingers, joint)?.range_of(joint))
 }
 
 /// Attributes an error of the bus to the servo of `joint`, unless the port failed.
@@ -96,7 +121,8 @@ pub fn check_fast_sync_read(
     }
 }
 
-/// Returns the required changes to the EEPROM of the servo of `joint`, which moves the finger `geometry`. Writes nothing.
+/// Returns the required changes to the EEPROM of the servo of `joint`, for the `range` of this joint (rad or m); see
+/// [`servo_range`]. Writes nothing.
 ///
 /// # Errors
 /// If the servo does not answer correctly, if its model differs from `drive`, or if it cannot reach the joint's range.
@@ -104,7 +130,7 @@ pub fn changes(
     bus: &mut Bus,
     joint: JointName,
     drive: &JointDriveConfig,
-    geometry: &FingerGeometry,
+    range: (f64, f64),
 ) -> Result<Vec<Change>, DriveError> {
     let model = check_model(bus, joint, drive)?;
     let protocol = bus.protocol();
@@ -116,7 +142,7 @@ pub fn changes(
     ];
     if protocol == Protocol::Feetech && drive.mode != DriveMode::Velocity {
         // The servo itself keeps a corrupted goal, which its weak checksum may not detect, within the joint's range.
-        let (lower, upper) = counts_within_turn(joint, drive, geometry)?;
+        let (lower, upper) = counts_within_turn(joint, drive, range)?;
         let [minimum, maximum] = registers.position_limits;
         wanted.push(("Min Position Limit", minimum, lower));
         wanted.push(("Max Position Limit", maximum, upper));
@@ -141,14 +167,13 @@ pub fn changes(
     Ok(changes)
 }
 
-/// Returns the range of the servo of `joint` in counts, if it is within one turn.
+/// Returns the `range` of the servo of `joint` in counts, if it is within one turn.
 fn counts_within_turn(
     joint: JointName,
     drive: &JointDriveConfig,
-    geometry: &FingerGeometry,
+    range: (f64, f64),
 ) -> Result<(i64, i64), DriveError> {
-    let limits = JointLimits::of(joint, geometry);
-    let ends = [limits.lower, limits.upper].map(|end| drive.counts(end).round() as i64);
+    let ends = [range.0, range.1].map(|end| drive.counts(end).round() as i64);
     let (lower, upper) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
     let turn = COUNTS_PER_TURN as i64;
     let turns = lower.div_euclid(turn);
@@ -229,34 +254,20 @@ pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
     read(bus, joint, register)
 }
 
-/// Reads the position of a `joint` (rad or m) and checks that it is within its limits.
+/// Reads the positions of all joints that the servo of `joint` moves (rad or m), in the order of [`joints_of_servo`], and
+/// checks that they are within their limits.
 ///
 /// # Errors
-/// If the servo does not answer correctly, or if the joint is beyond its limits.
-pub fn read_angle(
+/// If the servo does not answer correctly, or if one of its joints is beyond its limits.
+pub fn read_angles(
     bus: &mut Bus,
+    config: &DrivesConfig,
+    fingers: &[FingerGeometry],
     joint: JointName,
-    drive: &JointDriveConfig,
-    (lower, upper): (f64, f64),
-) -> Result<f64, DriveError> {
-    let counts = read_counts(bus, joint)? as f64;
-    let angle = drive.angle(match bus.protocol() {
-        Protocol::Dynamixel => counts,
-        Protocol::Feetech => {
-            // The position wraps with every turn; choose the one nearest to the middle of the range.
-            let near = drive.counts((lower + upper) / 2.0);
-            let half = COUNTS_PER_TURN / 2.0;
-            near + (counts - near + half).rem_euclid(COUNTS_PER_TURN) - half
-        }
-    });
-    match (lower..=upper).contains(&angle) {
-        true => Ok(angle),
-        false => Err(DriveError::BeyondLimits {
-            joint,
-            angle,
-            lower,
-            upper,
-            unit: drive.unit(),
-        }),
-    }
+) -> Result<Vec<f64>, DriveError> {
+    let mut joints = ServoJoints::of(config, fingers, joint)?;
+    let counts = read_counts(bus, joint)?;
+    joints.update(joints.unwrap(bus.protocol(), counts, None), 0.0);
+    let angle = |joint: &ServoJoint| joint.check(0.0, 1.0).map(|()| joint.angle);
+    joints.iter().map(angle).collect()
 }

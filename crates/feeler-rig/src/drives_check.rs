@@ -6,7 +6,8 @@ use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::registers::DriveMode;
 use feeler_drives::setup::{
-    Change, changes, check_fast_sync_read, check_model, named_joints, read_angle, read_health,
+    Change, changes, check_fast_sync_read, check_model, joints_of_servo, named_servos, read_angles,
+    read_health, servo_range,
 };
 use feeler_drives::{DriveError, JointName, RigClock};
 use feeler_lab::config::Experiment;
@@ -80,7 +81,7 @@ pub fn check_servos(
         config.port, config.baud_rate, config.protocol
     )?;
     if dry_run {
-        for (joint, drive) in named_joints(config) {
+        for (joint, drive) in named_servos(config) {
             writeln!(
                 out,
                 "would read model, settings, health and position of {joint}, a {}; writes nothing",
@@ -91,7 +92,7 @@ pub fn check_servos(
     }
     let mut bus = rig.open()?;
     let (mut problems, mut planned) = (0, Vec::new());
-    for (joint, drive) in named_joints(config) {
+    for (joint, drive) in named_servos(config) {
         let mut checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
         // Reading again is harmless. A disturbed line or a busy computer loses a reply now and then; that is not the
         // servo's fault.
@@ -100,15 +101,9 @@ pub fn check_servos(
             checked = check_servo(&mut bus, config, &rig.fingers, (joint, drive));
         }
         match checked {
-            Ok((angle, changes)) => {
-                let (unit, size) = display_unit(drive);
-                writeln!(
-                    out,
-                    "{joint}: {}{}, ok, at {:.2} {unit}",
-                    drive.model,
-                    mode(drive),
-                    angle / size
-                )?;
+            Ok((positions, changes)) => {
+                let (model, mode) = (&drive.model, mode(drive));
+                writeln!(out, "{joint}: {model}{mode}, ok, at {positions}")?;
                 planned.extend(changes);
             }
             Err(error @ DriveError::Bus(_)) => return Err(error.into()),
@@ -147,26 +142,31 @@ pub fn display_unit(drive: &JointDriveConfig) -> (&'static str, f64) {
     }
 }
 
-/// Checks one servo; returns the joint's position (rad or m) and the required setting changes.
+/// Checks one servo. Returns the positions of its joints as text, and the required setting changes.
 fn check_servo(
     bus: &mut Bus,
     config: &DrivesConfig,
     fingers: &[FingerGeometry],
     (joint, drive): (JointName, &JointDriveConfig),
-) -> Result<(f64, Vec<Change>), DriveError> {
-    let finger = &fingers[joint.finger];
-    let changes = changes(bus, joint, drive, finger)?;
+) -> Result<(String, Vec<Change>), DriveError> {
+    let range = servo_range(config, fingers, joint)?;
+    let changes = changes(bus, joint, drive, range)?;
     if config.fast_sync_read {
         let model = check_model(bus, joint, drive)?;
         check_fast_sync_read(bus, joint, model)?;
     }
     read_health(bus, joint)?.check(config.protocol, joint, &config.health_limits())?;
-    let limits = (
-        finger.joint_lower()[joint.joint],
-        finger.joint_upper()[joint.joint],
-    );
-    let angle = read_angle(bus, joint, drive, limits)?;
-    Ok((angle, changes))
+    let angles = read_angles(bus, config, fingers, joint)?;
+    let mut positions = String::new();
+    for ((moved, drive), angle) in joints_of_servo(config, joint.id).zip(angles) {
+        let (unit, size) = display_unit(drive);
+        if moved != joint {
+            let (number, finger) = (moved.joint + 1, moved.finger);
+            positions.push_str(&format!(", with theta{number} of finger {finger} at "));
+        }
+        positions.push_str(&format!("{:.2} {unit}", angle / size));
+    }
+    Ok((positions, changes))
 }
 
 /// Returns the register changes that a program makes on `bus` before it enables the torque of the servos of `config`,
@@ -180,10 +180,9 @@ pub fn all_changes(
     fingers: &[FingerGeometry],
 ) -> Result<Vec<Change>, DriveError> {
     let mut planned = Vec::new();
-    for (joint, drive) in named_joints(config) {
-        if let Some(finger) = fingers.get(joint.finger) {
-            planned.extend(changes(bus, joint, drive, finger)?);
-        }
+    for (joint, drive) in named_servos(config) {
+        let range = servo_range(config, fingers, joint)?;
+        planned.extend(changes(bus, joint, drive, range)?);
     }
     Ok(planned)
 }

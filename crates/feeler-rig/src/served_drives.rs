@@ -8,7 +8,7 @@ use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
 use feeler_drives::config::DrivesConfig;
 use feeler_drives::emulator::Emulator;
-use feeler_drives::setup::named_joints;
+use feeler_drives::setup::named_servos;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::rigs::driven::{drives, emulated_bus};
 use feeler_lab::experiment::rigs::linked::rig_config;
@@ -134,7 +134,7 @@ fn plan(
     let mut bus = Bus::open(&config.port, how, config.reply_timeout, clock)?;
     let (fingers, _) = fingers_at_home(&experiment.config)?;
     print_changes(&all_changes(&mut bus, &config, &fingers)?, out)?;
-    let (count, watchdog) = (named_joints(&config).count(), config.bus_watchdog);
+    let (count, watchdog) = (named_servos(&config).count(), config.bus_watchdog);
     writeln!(
         out,
         "would set the bus watchdogs of {count} servos on {} to {watchdog} s, enable their torque, and serve them as the rig {} to a hand \

@@ -4,9 +4,10 @@ use super::HomeArguments;
 use super::output::NewExperiment;
 use crate::{CommandError, Outcome};
 use feeler::hand::FingerGeometry;
-use feeler_drives::setup::{check_model, named_joints, read_counts};
+use feeler_drives::setup::{check_model, named_joints, named_servos, read_counts};
 use feeler_lab::experiment::fingers_at_home;
 use feeler_rig::{ServoRig, display_unit};
+use std::collections::BTreeMap;
 use std::io::Write;
 
 pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
@@ -26,9 +27,15 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     }
     let mut bus = rig.open()?;
     let mut settings = Vec::new();
+    let mut positions = BTreeMap::new();
+    for (servo, drive) in named_servos(&rig.config) {
+        check_model(&mut bus, servo, drive)?;
+        positions.insert(servo.id, read_counts(&mut bus, servo)?);
+    }
     for ((joint, drive), &angle) in named_joints(&rig.config).zip(&angles) {
-        check_model(&mut bus, joint, drive)?;
-        let counts = read_counts(&mut bus, joint)?;
+        let Some(&counts) = positions.get(&joint.id) else {
+            continue;
+        };
         let offset = angle - drive.turn(counts as f64);
         let key = format!(
             "drives.finger.{}.joint.{}.homing_offset",

@@ -1,6 +1,6 @@
 //! The `feeler drives identify-current` subcommand.
 
-use super::jog::{GRACE, MOST, check_speed, joint_drive};
+use super::jog::{GRACE, MOST, check_speed, joint_drive, moved_with};
 use super::output::NewExperiment;
 use super::{IdentifyArguments, JointArguments};
 use crate::typed::typed_lines;
@@ -8,10 +8,12 @@ use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
 use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
-use feeler_drives::RigClock;
-use feeler_drives::config::TorqueCalibration;
+
+use feeler_drives::config::{JointDriveConfig, TorqueCalibration};
 use feeler_drives::hand::DriveHand;
+use feeler_drives::setup::{joints_of_servo, servo_range};
 use feeler_drives::torque::{TorqueSample, identify_torque};
+use feeler_drives::{JointName, RigClock};
 use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
 use std::io::Write;
 use std::sync::Arc;
@@ -27,7 +29,8 @@ pub fn identify(
 ) -> Result<Outcome, CommandError> {
     let rig = arguments.rig.load()?;
     let place = arguments.joint.place();
-    let drive = joint_drive(&rig, place)?;
+    let (joint, drive) = joint_drive(&rig, place)?;
+    check_unshared(&rig, joint, drive)?;
     let (unit, size) = display_unit(drive);
     let by = arguments.by;
     if !(by > 0.0 && by <= MOST) {
@@ -39,9 +42,9 @@ pub fn identify(
     }
     let file = NewExperiment::create(&arguments.output, &arguments.rig, &arguments.overwrite)?;
     if arguments.rig.dry_run {
-        return plan(&rig, arguments, unit, out);
+        return plan(&rig, arguments, (joint, unit), out);
     }
-    let samples = Sweeps::new(&rig, arguments, place, size)?.measure(&arguments.loads, out)?;
+    let samples = Sweeps::new(&rig, arguments, joint, size)?.measure(&arguments.loads, out)?;
     let Some(samples) = samples else {
         writeln!(out, "interrupted; torque is off")?;
         return Ok(Outcome::GivenUp);
@@ -56,11 +59,30 @@ pub fn identify(
     Ok(Outcome::Done)
 }
 
+/// Checks that `joint` is the first joint of its servo, to which the calibration of the servo refers.
+fn check_unshared(
+    rig: &ServoRig,
+    joint: JointName,
+    drive: &JointDriveConfig,
+) -> Result<(), CommandError> {
+    let first = joints_of_servo(&rig.config, joint.id).find(|(_, drive)| !drive.shared);
+    match (drive.shared, first) {
+        (true, Some((first, _))) => {
+            let (number, finger) = (first.joint + 1, first.finger);
+            Err(format!(
+                "{joint}: expected a servo that is not shared; load theta{number} of finger {finger} alone, with --finger {finger} --joint {number}"
+            )
+            .into())
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Prints the planned writes without executing them.
 fn plan(
     rig: &ServoRig,
     arguments: &IdentifyArguments,
-    unit: &str,
+    (moved, unit): (JointName, &str),
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let planned = all_changes(&mut rig.open()?, &rig.config, &rig.fingers)?;
@@ -71,7 +93,8 @@ fn plan(
     let JointArguments { finger, joint } = arguments.joint;
     writeln!(
         out,
-        "would enable torque of all servos, sweep theta{joint} of finger {finger} by {by} {unit} to either side at {speed} {unit}/s, {sweeps} times per direction and load, and disable torque; nothing was written"
+        "would enable torque of all servos, sweep theta{joint} of finger {finger}{} by {by} {unit} to either side at {speed} {unit}/s, {sweeps} times per direction and load, and disable torque; nothing was written",
+        moved_with(rig, moved)
     )?;
     Ok(Outcome::Done)
 }
@@ -115,7 +138,7 @@ impl Sweeps {
     fn new(
         rig: &ServoRig,
         arguments: &IdentifyArguments,
-        place: (usize, usize),
+        moved: JointName,
         size: f64,
     ) -> Result<Self, CommandError> {
         let control = &rig.experiment.config.control;
@@ -125,11 +148,10 @@ impl Sweeps {
         hand.read_currents();
         let mut state = HandState::zero(rig.fingers.len());
         hand.read(&mut state)?;
-        let (finger, joint) = place;
+        let JointName { finger, joint, .. } = moved;
         let middle = state.joints[finger].position[joint];
         let ends = [-1.0, 1.0].map(|side| middle + side * arguments.by * size);
-        let geometry = &rig.fingers[finger];
-        let (lower, upper) = (geometry.joint_lower()[joint], geometry.joint_upper()[joint]);
+        let (lower, upper) = servo_range(&rig.config, &rig.fingers, moved)?;
         if ends[0] < lower || ends[1] > upper {
             let [lower, upper, from, to] = [lower, upper, ends[0], ends[1]].map(|end| end / size);
             return Err(format!(
@@ -144,7 +166,7 @@ impl Sweeps {
             pace: FixedRate::new(control.period)?,
             period: control.period,
             interrupted,
-            place,
+            place: (finger, joint),
             ends,
             speed: arguments.speed * size,
             count: arguments.sweeps,

@@ -7,7 +7,8 @@ use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
 use feeler_drives::config::JointDriveConfig;
 use feeler_drives::hand::DriveHand;
-use feeler_drives::{DriveError, RigClock};
+use feeler_drives::setup::{joints_of_servo, named_joints, servo_range};
+use feeler_drives::{DriveError, JointName, RigClock};
 use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
 use std::io::Write;
 
@@ -18,8 +19,7 @@ pub(super) const GRACE: f64 = 1.0;
 
 pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = arguments.rig.load()?;
-    let place = arguments.joint.place();
-    let drive = joint_drive(&rig, place)?;
+    let (joint, drive) = joint_drive(&rig, arguments.joint.place())?;
     let (unit, size) = display_unit(drive);
     if arguments.by.is_nan() || arguments.by.abs() > MOST {
         return Err(format!(
@@ -30,9 +30,9 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
     }
     check_speed(arguments.speed, drive)?;
     if arguments.rig.dry_run {
-        return plan(&rig, arguments, unit, out);
+        return plan(&rig, arguments, (joint, unit), out);
     }
-    turn(&rig, arguments, (unit, size), out)
+    turn(&rig, arguments, joint, (unit, size), out)
 }
 
 /// Checks a `speed`, in the display unit of the joint of `drive` per second.
@@ -48,25 +48,32 @@ pub(super) fn check_speed(speed: f64, drive: &JointDriveConfig) -> Result<(), Co
     Ok(())
 }
 
-/// The servo of the joint with these indices.
+/// Returns the joint with these indices, and its servo.
 ///
 /// # Errors
 /// If the hand has no such joint.
 pub(super) fn joint_drive(
     rig: &ServoRig,
     (finger, joint): (usize, usize),
-) -> Result<&JointDriveConfig, DriveError> {
-    let drives = rig.config.finger.get(finger);
-    drives
-        .and_then(|drives| drives.joint.get(joint))
+) -> Result<(JointName, &JointDriveConfig), DriveError> {
+    named_joints(&rig.config)
+        .find(|(name, _)| (name.finger, name.joint) == (finger, joint))
         .ok_or_else(|| DriveError::no_joint(finger, joint, &rig.fingers))
+}
+
+/// Names the other joints that the servo of `joint` moves; empty if it moves no other.
+pub(super) fn moved_with(rig: &ServoRig, joint: JointName) -> String {
+    joints_of_servo(&rig.config, joint.id)
+        .filter(|(name, _)| *name != joint)
+        .map(|(name, _)| format!(" with theta{} of finger {}", name.joint + 1, name.finger))
+        .collect()
 }
 
 /// Prints the planned writes without executing them.
 fn plan(
     rig: &ServoRig,
     arguments: &JogArguments,
-    unit: &str,
+    (moved, unit): (JointName, &str),
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let planned = all_changes(&mut rig.open()?, &rig.config, &rig.fingers)?;
@@ -75,7 +82,8 @@ fn plan(
     let JointArguments { finger, joint } = arguments.joint;
     writeln!(
         out,
-        "would enable torque of all servos, turn theta{joint} of finger {finger} by {by} {unit} at {speed} {unit}/s, and disable torque; nothing was written"
+        "would enable torque of all servos, turn theta{joint} of finger {finger}{} by {by} {unit} at {speed} {unit}/s, and disable torque; nothing was written",
+        moved_with(rig, moved)
     )?;
     Ok(Outcome::Done)
 }
@@ -84,10 +92,11 @@ fn plan(
 fn turn(
     rig: &ServoRig,
     arguments: &JogArguments,
+    moved: JointName,
     (unit, size): (&str, f64),
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let (finger, joint) = arguments.joint.place();
+    let JointName { finger, joint, .. } = moved;
     let control = &rig.experiment.config.control;
     let (period, most_age) = (control.period, control.stale_periods * control.period);
     let interrupted = watch_for_interrupt()?;
@@ -96,8 +105,8 @@ fn turn(
     hand.read(&mut state)?;
     let begin = state.joints[finger].position[joint];
     let (by, speed) = (arguments.by * size, arguments.speed * size);
-    let geometry = &rig.fingers[finger];
-    let limits = geometry.joint_lower()[joint]..=geometry.joint_upper()[joint];
+    let (lower, upper) = servo_range(&rig.config, &rig.fingers, moved)?;
+    let limits = lower..=upper;
     if !limits.contains(&(begin + by)) {
         let (from, to) = (begin / size, (begin + by) / size);
         let (lower, upper) = (limits.start() / size, limits.end() / size);
@@ -130,8 +139,9 @@ fn turn(
     };
     writeln!(
         out,
-        "theta{} of finger {finger}: from {from:.2} to {to:.2} {unit}{why}",
-        joint + 1
+        "theta{} of finger {finger}{}: from {from:.2} to {to:.2} {unit}{why}",
+        joint + 1,
+        moved_with(rig, moved)
     )?;
     Ok(match in_time && end != begin {
         true => Outcome::Done,

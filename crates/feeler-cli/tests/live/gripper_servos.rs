@@ -2,6 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
+use crate::emulated::Emulated;
 use crate::program::{Ended, folder, rows, run, summary};
 use feeler_record::Recording;
 use std::path::Path;
@@ -18,17 +19,32 @@ fn gripper(folder: &Path) {
     std::fs::write(folder.join("gripper.toml"), format!("{grip}\n{servos}")).expect("a file");
 }
 
-/// Settings of both joints.
-fn joints(settings: &[(&str, &str)]) -> Vec<String> {
-    let joints = [0, 1].map(|finger| format!("drives.finger.{finger}.joint.0"));
-    let settings = settings.iter();
+/// Settings of a servo per jaw.
+fn two_servos(settings: &[(&str, &str)]) -> Vec<String> {
+    let second = [
+        ("shared", "false"),
+        ("id", "2"),
+        ("model", "XL330-M077"),
+        ("mode", "position"),
+    ];
+    let second = second.iter().map(|setting| (1, setting));
+    let both = [0, 1].into_iter();
+    let both = both.flat_map(|finger| settings.iter().map(move |setting| (finger, setting)));
+    let settings = second.chain(both);
     settings
-        .flat_map(|(key, value)| {
-            joints
-                .iter()
-                .map(move |joint| format!("{joint}.{key}={value}"))
-        })
+        .map(|(finger, (key, value))| format!("drives.finger.{finger}.joint.0.{key}={value}"))
         .collect()
+}
+
+/// Settings of one servo that moves both jaws.
+fn one_servo(settings: &[(&str, &str)]) -> Vec<String> {
+    let of_joint = ["travel_per_turn", "homing_offset"];
+    let set = |(key, value): &(&str, &str)| {
+        let fingers = if of_joint.contains(key) { 0..2 } else { 0..1 };
+        let setting = |finger| format!("drives.finger.{finger}.joint.0.{key}={value}");
+        fingers.map(setting).collect::<Vec<_>>()
+    };
+    settings.iter().flat_map(set).collect()
 }
 
 /// Travel of a jaw with little friction.
@@ -75,17 +91,21 @@ fn objects_are_held_by_servos_in_every_mode_without_false_alarms() {
     let bus = ["protocol=feetech", "bus_watchdog=0", "fast_sync_read=false"];
     let bus = bus.map(|setting| format!("drives.{setting}"));
     for (name, settings) in [
-        ("velocity", joints(&velocity)),
-        ("position", joints(&position)),
-        ("limited", joints(&limited)),
-        ("feetech", [joints(&feetech), bus.to_vec()].concat()),
+        ("velocity", one_servo(&velocity)),
+        ("position", one_servo(&position)),
+        ("limited", one_servo(&limited)),
+        ("feetech", [one_servo(&feetech), bus.to_vec()].concat()),
+        ("velocity-2", two_servos(&velocity)),
+        ("position-2", two_servos(&position)),
+        ("limited-2", two_servos(&limited)),
+        ("feetech-2", [two_servos(&feetech), bus.to_vec()].concat()),
     ] {
         run_with(&folder, name, &settings).done();
         let summary = summary(&folder.join(name));
         assert_eq!(summary["outcome"], "put down", "{name}");
         let recording = Recording::read(folder.join(name).join("recording.mcap")).expect("a file");
         let efforts = recording.fingers.iter().map(|finger| finger.efforts.len());
-        let steps = if name == "feetech" {
+        let steps = if name.starts_with("feetech") {
             0
         } else {
             recording.task.len()
@@ -93,28 +113,30 @@ fn objects_are_held_by_servos_in_every_mode_without_false_alarms() {
         assert!(efforts.eq([steps; 2]), "{name}");
     }
     // Simulated time: the same run each time.
-    run_with(&folder, "again", &joints(&position)).done();
+    run_with(&folder, "again", &one_servo(&position)).done();
     let digest = |name: &str| summary(&folder.join(name))["digest"].clone();
     assert_eq!(digest("position"), digest("again"));
 }
+
+/// A heavy and slippery object.
+const HEAVY: [&str; 3] = [
+    "sim.object.box.motion.free.mass=0.3",
+    "sim.object.box.friction.static_friction=0.3",
+    "sim.object.box.friction.kinetic_friction=0.28",
+];
 
 /// A skin of twice the gain, and one that is numb from the start.
 #[test]
 fn skins_that_contradict_the_motors_stop_the_hand() {
     let folder = folder("gripper-second-opinion");
     gripper(&folder);
-    let heavy = [
-        "sim.object.box.motion.free.mass=0.3",
-        "sim.object.box.friction.static_friction=0.3",
-        "sim.object.box.friction.kinetic_friction=0.28",
-    ];
     for mode in ["velocity", "position"] {
         for (gain, from) in [("2", "2.5"), ("0", "0")] {
             let name = format!("{mode}-{gain}");
             let fault =
                 format!("sim.fault=[{{from={from}, kind.sensor_gain={{finger=1, gain={gain}}}}}]");
-            let mut settings = joints(&[("mode", mode), TRAVEL, TORQUE]);
-            settings.extend(heavy.map(String::from).into_iter().chain([fault]));
+            let mut settings = two_servos(&[("mode", mode), TRAVEL, TORQUE]);
+            settings.extend(HEAVY.map(String::from).into_iter().chain([fault]));
             let ended = run_with(&folder, &name, &settings);
             assert_eq!(ended.status, Some(1), "{ended:?}");
             assert!(
@@ -127,6 +149,116 @@ fn skins_that_contradict_the_motors_stop_the_hand() {
             run(&folder, &["replay", &name, "--from", "forces"]).done();
         }
     }
+}
+
+/// One motor is compared with the sum of both skins: a numb one, both with twice the gain, and one with twice the gain, which
+/// changes the sum by a third.
+#[test]
+fn skins_that_contradict_a_shared_motor_stop_the_hand() {
+    let folder = folder("gripper-second-opinion-shared");
+    gripper(&folder);
+    let gain = |finger: usize, gain: f64, from: f64| {
+        format!("{{from={from}, kind.sensor_gain={{finger={finger}, gain={gain}}}}}")
+    };
+    let run_shared = |name: &str, faults: &[String], share: f64| {
+        let mut settings = one_servo(&[("mode", "position"), TRAVEL, TORQUE]);
+        settings.extend(HEAVY.map(String::from));
+        settings.push(format!("sim.fault=[{}]", faults.join(", ")));
+        settings.push(format!("control.monitor.effort_share={share}"));
+        run_with(&folder, name, &settings)
+    };
+    for (name, faults, share) in [
+        ("numb", vec![gain(1, 0.0, 0.0)], 0.3),
+        ("both", vec![gain(0, 2.0, 2.5), gain(1, 2.0, 2.5)], 0.3),
+        ("one", vec![gain(1, 2.0, 2.5)], 0.1),
+    ] {
+        let ended = run_shared(name, &faults, share);
+        assert_eq!(ended.status, Some(1), "{name}: {ended:?}");
+        let words = [
+            "the motor of joint 0 of finger 0 exerts ",
+            "the forces on all fingertips that it moves",
+        ];
+        assert!(
+            words.iter().all(|word| ended.stdout.contains(word)),
+            "{name}: {ended:?}"
+        );
+        // The recorded efforts repeat the stop.
+        run(&folder, &["replay", name, "--from", "forces"]).done();
+    }
+    run_shared("good", &[], 0.1).done();
+    assert_eq!(summary(&folder.join("good"))["outcome"], "put down");
+}
+
+/// The commands for setting up a rig, with one servo that moves both jaws.
+#[test]
+fn a_shared_servo_is_checked_homed_and_jogged() {
+    let folder = folder("gripper-shared-servo");
+    gripper(&folder);
+    let bus = Emulated::start(&folder, &["drives", "emulate"], &["gripper.toml"]);
+    let patient = [
+        "--port",
+        &bus.port,
+        "--set=drives.bus_watchdog=2.54",
+        "--set=drives.reply_timeout=1",
+        "--set=control.stale_periods=100",
+    ];
+    let drives = |arguments: &[&str]| run(&folder, &[&["drives"], arguments, &patient].concat());
+    let checked = drives(&["check", "gripper.toml"]).done();
+    let line = "servo 1 (theta1 of finger 0): XL330-M077 in position mode, ok, at ";
+    assert!(
+        checked.contains(line) && checked.contains(" mm, with theta1 of finger 1 at "),
+        "{checked}"
+    );
+    assert_eq!(checked.matches("ok, at").count(), 1, "{checked}");
+    assert_eq!(checked.matches("Operating Mode").count(), 1, "{checked}");
+
+    let homed = drives(&["home", "gripper.toml", "--output", "homed.toml"]).done();
+    for finger in [0, 1] {
+        let line = format!("servo 1 (theta1 of finger {finger}): ");
+        assert!(homed.contains(&line), "{homed}");
+    }
+    // The jaws are at home, so the offsets equal those in the file.
+    let text = std::fs::read_to_string(folder.join("homed.toml")).expect("the file");
+    let text: toml::Table = text.parse().expect("TOML");
+    for finger in [0, 1] {
+        let joint = &text["drives"]["finger"][finger]["joint"][0];
+        let offset = joint["homing_offset"].as_float().expect("a number");
+        assert!(offset.abs() < 2e-5, "{offset}");
+    }
+
+    let jog = [
+        "jog",
+        "gripper.toml",
+        "--finger",
+        "1",
+        "--joint",
+        "1",
+        "--by",
+        "1",
+    ];
+    let planned = drives(&[&jog[..], &["--dry-run"]].concat()).done();
+    let both = "theta1 of finger 1 with theta1 of finger 0";
+    assert!(planned.contains(both), "{planned}");
+    let turned = drives(&[&jog[..], &["--speed", "0.5"]].concat()).done();
+    assert!(turned.contains(both), "{turned}");
+    let words = turned.split_whitespace();
+    let millimetres: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+    let [.., from, to] = millimetres[..] else {
+        panic!("{turned}")
+    };
+    // Commands may be late by a second.
+    assert!((to - from - 1.0).abs() < 0.7, "{turned}");
+
+    let identify = [
+        "identify-current",
+        "gripper.toml",
+        "--joint",
+        "1",
+        "--loads",
+        "0,1",
+    ];
+    drives(&[&identify[..], &["--finger", "1"]].concat())
+        .refused(&["not shared", "--finger 0 --joint 1"]);
 }
 
 #[test]

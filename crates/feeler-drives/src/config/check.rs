@@ -1,5 +1,6 @@
 //! Range checks of the table `[drives]`.
 
+use super::shared::ServoIds;
 use super::{DrivesConfig, JointDriveConfig};
 use crate::error::thetas;
 use crate::packet::Protocol;
@@ -69,7 +70,7 @@ impl DrivesConfig {
     }
 
     fn check_joints(&self, key: &str, prismatic: &[Vec<bool>], checker: &mut Checker) {
-        let mut seen = Vec::new();
+        let mut ids = ServoIds::default();
         for (finger, drives) in self.finger.iter().enumerate() {
             let key = format!("{key}.finger[{finger}].joint");
             let actual = drives.joint.len();
@@ -84,23 +85,21 @@ impl DrivesConfig {
             );
             for (index, joint) in drives.joint.iter().enumerate() {
                 let key = format!("{key}[{index}]");
-                joint.check(&key, self.protocol, checker);
-                joint.check_mode(&key, checker);
-                joint.check_transmission(&key, prismatic.get(index) == Some(&true), checker);
-                checker.require(
-                    &format!("{key}.id"),
-                    joint.id.to_string(),
-                    !seen.contains(&joint.id),
-                    "an id used by no other joint",
-                );
-                seen.push(joint.id);
+                let is_prismatic = prismatic.get(index) == Some(&true);
+                match joint.shared {
+                    true => joint.check_shared(&key, checker),
+                    false => joint.check_own(&key, self.protocol, checker),
+                }
+                joint.check_transmission(&key, is_prismatic, checker);
+                ids.check(&format!("{key}.id"), finger, joint, checker);
             }
         }
     }
 }
 
 impl JointDriveConfig {
-    fn check(&self, key: &str, protocol: Protocol, checker: &mut Checker) {
+    /// Checks a servo and its relation to its first joint, except for the transmission.
+    fn check_own(&self, key: &str, protocol: Protocol, checker: &mut Checker) {
         let field = |field: &str| format!("{key}.{field}");
         checker.between(
             &field("id"),
@@ -116,6 +115,16 @@ impl JointDriveConfig {
             names.contains(&self.model.as_str()),
             &format!("one of {}", names.join(", ")),
         );
+        self.check_position(key, checker);
+        if let Some(limit) = self.current_limit {
+            checker.between(&field("current_limit"), limit, 0.01, 10.0);
+        }
+        self.check_mode(key, checker);
+    }
+
+    /// Checks zero and direction of the joint.
+    pub(super) fn check_position(&self, key: &str, checker: &mut Checker) {
+        let field = |field: &str| format!("{key}.{field}");
         checker.between(&field("homing_offset"), self.homing_offset, -1e4, 1e4);
         checker.require(
             &field("direction"),
@@ -123,9 +132,6 @@ impl JointDriveConfig {
             self.direction.abs() == 1,
             "1 or -1",
         );
-        if let Some(limit) = self.current_limit {
-            checker.between(&field("current_limit"), limit, 0.01, 10.0);
-        }
     }
 
     /// Checks that the mode has the keys that it requires.

@@ -1,4 +1,4 @@
-//! The servo of one joint.
+//! The servo of a joint.
 
 use crate::registers::{COUNTS_PER_TURN, DriveMode, Model};
 use serde::{Deserialize, Serialize};
@@ -9,14 +9,20 @@ const JOG_SPEED: f64 = 0.2;
 /// Maximum speed of a jogged prismatic joint, m/s.
 const PRISMATIC_JOG_SPEED: f64 = 0.01;
 
-/// The servo of one joint. Joint angle = `direction` * servo angle / `gear_ratio` + `homing_offset`. Displacement of a
+/// The servo of a joint. Joint angle = `direction` * servo angle / `gear_ratio` + `homing_offset`. Displacement of a
 /// prismatic joint = `direction` * turns of the servo * `travel_per_turn` + `homing_offset`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointDriveConfig {
     /// Id on the bus.
     pub id: u8,
-    /// Servo model, e.g. `XL330-M288`.
+    /// `true` if this is the servo of a joint of an earlier finger that moves this joint, too, such as both jaws of a
+    /// gripper with one motor. Only id and transmission of the servo are then set here; the rest, from the model on, is
+    /// set with the other joint.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub shared: bool,
+    /// Servo model, e.g. `XL330-M288`. Empty if `shared`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model: String,
     /// Mode in which the servo follows the joint's velocity.
     #[serde(default, skip_serializing_if = "is_velocity")]
@@ -66,6 +72,10 @@ pub struct TorqueCalibration {
     pub friction_error: f64,
 }
 
+fn is_false(flag: &bool) -> bool {
+    !flag
+}
+
 fn is_velocity(mode: &DriveMode) -> bool {
     *mode == DriveMode::Velocity
 }
@@ -103,6 +113,11 @@ impl JointDriveConfig {
     /// Converts the servo's velocity (rad/s) to the joint's velocity, rad/s or m/s.
     pub fn joint_velocity(&self, velocity: f64) -> f64 {
         f64::from(self.direction) * velocity / self.transmission()
+    }
+
+    /// Motion of this joint (rad or m) per motion of the joint of `other` (rad or m), if the same servo moves both.
+    pub fn ratio_to(&self, other: &Self) -> f64 {
+        self.joint_velocity(other.servo_velocity(1.0))
     }
 
     /// Rotation of the servo's horn (rad) per rad or m of the joint's motion.

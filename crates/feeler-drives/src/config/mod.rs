@@ -2,11 +2,13 @@
 
 mod check;
 mod joint;
+mod shared;
 
 pub use joint::{JointDriveConfig, TorqueCalibration};
 
 use crate::packet::Protocol;
 use crate::registers::{DriveMode, WATCHDOG_UNIT};
+use feeler::hand::JointCoupling;
 use serde::{Deserialize, Serialize};
 
 /// Servos of the hand, and their bus.
@@ -92,6 +94,7 @@ impl DrivesConfig {
     pub fn emulated(prismatic: &[Vec<bool>]) -> Self {
         let joint = |(&slides, id): (&bool, u8)| JointDriveConfig {
             id,
+            shared: false,
             model: "XL330-M077".into(),
             mode: DriveMode::Velocity,
             homing_offset: 0.0,
@@ -123,9 +126,34 @@ impl DrivesConfig {
         }
     }
 
-    /// All servos, finger by finger, joint by joint.
+    /// All joints with their servos, finger by finger, joint by joint.
     pub fn joints(&self) -> impl Iterator<Item = &JointDriveConfig> {
         self.finger.iter().flat_map(|finger| &finger.joint)
+    }
+
+    /// All servos, each with the first joint that it moves.
+    pub fn servos(&self) -> impl Iterator<Item = &JointDriveConfig> {
+        self.joints().filter(|joint| !joint.shared)
+    }
+
+    /// Joints of later fingers that are moved by the servo of another joint.
+    pub fn couplings(&self) -> Vec<JointCoupling> {
+        let joints = |(finger, drives): (usize, &FingerDrivesConfig)| {
+            let joints = drives.joint.clone().into_iter().enumerate();
+            joints.map(move |(joint, drive)| ((finger, joint), drive))
+        };
+        let joints: Vec<_> = self.finger.iter().enumerate().flat_map(joints).collect();
+        let coupling = |(other, drive): &((usize, usize), JointDriveConfig)| {
+            let owns = |own: &JointDriveConfig| own.id == drive.id && !own.shared;
+            let (first, own) = joints.iter().find(|(_, own)| owns(own))?;
+            Some(JointCoupling {
+                first: *first,
+                other: *other,
+                ratio: drive.ratio_to(own),
+            })
+        };
+        let shared = joints.iter().filter(|(_, drive)| drive.shared);
+        shared.filter_map(coupling).collect()
     }
 
     /// Returns `true` if any joint has a torque calibration, so that its effort is estimated from the current.

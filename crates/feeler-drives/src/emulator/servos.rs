@@ -30,14 +30,13 @@ pub struct EmulatorConfig {
 impl EmulatorConfig {
     /// Creates the configuration for the servos of `config`. Omits servos of unknown models.
     pub fn of(config: &DrivesConfig, seed: u64) -> Self {
-        let joints = config.joints();
         let servo = |joint: &crate::config::JointDriveConfig| {
             Some(EmulatedServo::new(joint.id, joint.known_model()?))
         };
         Self {
             protocol: config.protocol,
             baud_rate: config.baud_rate,
-            servos: joints.filter_map(servo).collect(),
+            servos: config.servos().filter_map(servo).collect(),
             noise: 0.3,
             seed,
         }

@@ -6,9 +6,9 @@ use crate::error::DriveError;
 use crate::health::OVERLOAD;
 use crate::packet::Protocol;
 use crate::registers::{DriveMode, GoalKind, Registers};
-use crate::servo::Servo;
+use crate::servo::{Servo, ServoJoints};
 use crate::setup::{
-    apply, blame, changes, check_fast_sync_read, check_model, named_joints, read, set,
+    apply, blame, changes, check_fast_sync_read, check_model, named_servos, read, set,
 };
 
 /// Time after which a restarted servo must answer, s.
@@ -20,35 +20,34 @@ impl DriveHand {
     /// Configures the servos, with their torque off.
     pub(super) fn set_up(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
-        for (joint, drive) in named_joints(&self.config) {
+        for (joint, drive) in named_servos(&self.config) {
             let model = check_model(&mut self.bus, joint, drive)?;
             if self.config.fast_sync_read {
                 check_fast_sync_read(&mut self.bus, joint, model)?;
             }
-            let Some(geometry) = self.fingers.get(joint.finger) else {
-                continue;
-            };
-            let servo = Servo::new(joint, drive, model, geometry, self.most_age);
+            let joints = ServoJoints::of(&self.config, &self.fingers, joint)?;
+            let range = (joints.limits.lower, joints.limits.upper);
+            let servo = Servo::new(joints, model, self.most_age);
             if let Some(limit) = registers.velocity_limit {
                 servo.allow(read(&mut self.bus, joint, limit)?)?;
             }
             self.bus
                 .write(joint.id, registers.torque, 0)
                 .map_err(blame(joint))?;
-            let changes = changes(&mut self.bus, joint, drive, geometry)?;
+            let changes = changes(&mut self.bus, joint, drive, range)?;
             apply(&mut self.bus, &changes)?;
             self.servos.push(servo);
         }
         Ok(())
     }
 
-    /// Switches torque on, one servo after the other, each once its goal holds the joint and its watchdog is set.
+    /// Switches torque on, one servo after the other, each once its goal holds its joints and its watchdog is set.
     pub(super) fn arm(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         let watchdog = self.config.watchdog_counts();
         for servo in &mut self.servos {
             servo.reset();
-            let joint = servo.name;
+            let joint = servo.name();
             if let Some(register) = registers.watchdog {
                 // An expired watchdog rejects goals until it is cleared.
                 self.bus
@@ -70,7 +69,7 @@ impl DriveHand {
             self.check_health(index, false)?;
         }
         for servo in &self.servos {
-            let joint = servo.name;
+            let joint = servo.name();
             if let Some(register) = registers.watchdog {
                 set(&mut self.bus, joint, ("Bus Watchdog", register), watchdog)?;
             }
@@ -92,7 +91,7 @@ impl DriveHand {
         }
         let fault = Registers::of(Protocol::Dynamixel).fault;
         for servo in &self.servos {
-            let joint = servo.name;
+            let joint = servo.name();
             if read(&mut self.bus, joint, fault)? != i64::from(OVERLOAD) {
                 continue;
             }
@@ -111,10 +110,10 @@ impl DriveHand {
     }
 }
 
-/// Writes the goal that holds the joint of `servo`, and the limits of its motion. Velocity goals are already 0.
+/// Writes the goal that holds the joints of `servo`, and the limits of its motion. Velocity goals are already 0.
 fn hold(bus: &mut Bus, servo: &Servo) -> Result<(), DriveError> {
     let registers = Registers::of(servo.model.protocol);
-    let joint = servo.name;
+    let joint = servo.name();
     if servo.kind() == GoalKind::Velocity {
         return Ok(());
     }
@@ -123,7 +122,7 @@ fn hold(bus: &mut Bus, servo: &Servo) -> Result<(), DriveError> {
     let velocity = ("Profile Velocity", registers.profile_velocity);
     set(bus, joint, velocity, servo.profile_velocity())?;
     if let (DriveMode::CurrentLimitedPosition, Some(most)) =
-        (servo.drive.mode, servo.drive.most_current())
+        (servo.drive().mode, servo.drive().most_current())
     {
         // Rounded down, so that the limit is never exceeded.
         if let Some(register) = registers.goal_current {

@@ -4,16 +4,17 @@ use super::DriveHand;
 use crate::bus::BusError;
 use crate::error::{DriveError, JointName};
 use crate::registers::{GoalKind, Registers};
-use crate::servo::Servo;
+use crate::servo::{Servo, ServoJoint};
 use feeler::hand::{
     Hand, HandCommand, HandError, HandState, JointEfforts, JointState, JointVector,
     check_finger_count,
 };
 
 impl DriveHand {
-    /// Moves one joint at `velocity` (rad/s or m/s), at most its
-    /// [`jog_speed`](crate::config::JointDriveConfig::jog_speed), until the next command; all others stand still. Also
-    /// checks the health of its servo if due. Intended for setting up a rig; use [`Hand::command`] to control a hand.
+    /// Moves one joint, and all others that its servo moves, at `velocity` (rad/s or m/s of the joint) until the next
+    /// command; the rest stands still. No joint may exceed its
+    /// [`jog_speed`](crate::config::JointDriveConfig::jog_speed). Also checks the health of the servo if due. Intended for
+    /// setting up a rig; use [`Hand::command`] to control a hand.
     ///
     /// # Errors
     /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also if
@@ -22,21 +23,15 @@ impl DriveHand {
         if let Some(fault) = self.fault.clone() {
             return Err(DriveError::Stopped { fault });
         }
-        let is_asked = |servo: &Servo| (servo.name.finger, servo.name.joint) == (finger, joint);
-        let Some(index) = self.servos.iter().position(is_asked) else {
-            return Err(DriveError::no_joint(finger, joint, &self.fingers));
-        };
-        let servo = &self.servos[index];
-        let (moved, limit, unit) = (servo.name, servo.drive.jog_speed(), servo.unit());
-        if velocity.is_nan() || velocity.abs() > limit {
-            return Err(DriveError::Command {
-                joint: moved,
-                velocity,
-                limit,
-                unit,
-            });
-        }
-        let sent = self.send(|other| if other == moved { velocity } else { 0.0 });
+        let (index, moved) = self.find(finger, joint)?;
+        let limit = self.servos[index].joints.jog_speed(moved);
+        moved.check_command(velocity, limit)?;
+        let (moved, servo_velocity) = (moved.name, moved.drive.servo_velocity(velocity));
+        let sent = self.send(|other| match other.name {
+            name if name == moved => velocity,
+            name if name.id == moved.id => other.drive.joint_velocity(servo_velocity),
+            _ => 0.0,
+        });
         let done = sent.and_then(|()| self.check_health_if_due(index));
         if let Err(error) = &done {
             self.fail(error);
@@ -44,9 +39,20 @@ impl DriveHand {
         done
     }
 
+    /// Returns the joint with these indices, and the index of its servo.
+    fn find(&self, finger: usize, joint: usize) -> Result<(usize, &ServoJoint), DriveError> {
+        let servos = self.servos.iter().enumerate();
+        let mut joints = servos.flat_map(|(index, servo)| {
+            let joints = servo.joints.iter();
+            joints.map(move |joint| (index, joint))
+        });
+        let found = joints.find(|(_, own)| (own.name.finger, own.name.joint) == (finger, joint));
+        found.ok_or_else(|| DriveError::no_joint(finger, joint, &self.fingers))
+    }
+
     /// Commands each joint to move at its `velocity`, rad/s or m/s, unless the joint angles are too old.
-    fn send(&mut self, velocity: impl Fn(JointName) -> f64) -> Result<(), DriveError> {
-        let moving = self.servos.iter().any(|servo| velocity(servo.name) != 0.0);
+    fn send(&mut self, velocity: impl Fn(&ServoJoint) -> f64) -> Result<(), DriveError> {
+        let moving = self.joints().any(|joint| velocity(joint) != 0.0);
         let age = self.age();
         if moving && age > self.most_age {
             let limit = self.most_age;
@@ -56,7 +62,7 @@ impl DriveHand {
         let elapsed = (self.stamp - self.commanded).clamp(0.0, self.most_age);
         self.commanded = self.stamp;
         for servo in &mut self.servos {
-            servo.command(velocity(servo.name), elapsed)?;
+            servo.command(&velocity, elapsed)?;
         }
         Ok(self.write_goals()?)
     }
@@ -67,7 +73,7 @@ impl DriveHand {
         for kind in GoalKind::ALL {
             let servos = self.servos.iter();
             let servos = servos.filter(|servo| servo.kind() == kind && servo.has_goal());
-            let mut goals = servos.map(|servo| (servo.name.id, servo.goal)).peekable();
+            let mut goals = servos.map(|servo| (servo.name().id, servo.goal)).peekable();
             if goals.peek().is_some() {
                 self.bus.sync_write(registers.goal(kind), goals)?;
             }
@@ -75,28 +81,31 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Estimates the effort of each joint from the latest current of its motor. The efforts of a finger without
+    /// Estimates the effort of each motor on its first joint from its latest current. The efforts of a finger without
     /// calibrations are empty.
     fn estimate_efforts(&self, efforts: &mut [JointEfforts]) {
         efforts.fill(JointEfforts::default());
         for servo in &self.servos {
-            let (Some(estimate), Some(own)) = (servo.effort(), efforts.get_mut(servo.name.finger))
-            else {
+            let JointName { finger, joint, .. } = servo.name();
+            let (Some(estimate), Some(own)) = (servo.effort(), efforts.get_mut(finger)) else {
                 continue;
             };
-            let joints = self.config.finger[servo.name.finger].joint.len();
+            let joints = self.config.finger[finger].joint.len();
             if own.effort.is_empty() {
                 own.effort = JointVector::splat(joints, f64::NAN);
                 own.uncertainty = JointVector::zeros(joints);
             }
-            own.effort[servo.name.joint] = estimate.torque;
-            own.uncertainty[servo.name.joint] = estimate.uncertainty;
+            own.effort[joint] = estimate.torque;
+            own.uncertainty[joint] = estimate.uncertainty;
         }
     }
 
     /// Commands all joints, then checks the health of the next servo if due.
     fn drive(&mut self, velocity: &[JointVector]) -> Result<(), DriveError> {
-        let at = |name: JointName| velocity.get(name.finger).map_or(0.0, |v| v[name.joint]);
+        let at = |joint: &ServoJoint| {
+            let own = velocity.get(joint.name.finger);
+            own.map_or(0.0, |own| own[joint.name.joint])
+        };
         self.send(at)?;
         self.check_health_if_due(self.next_asked)
     }
@@ -131,10 +140,10 @@ impl Hand for DriveHand {
         for (joints, drives) in state.joints.iter_mut().zip(&self.config.finger) {
             *joints = JointState::zero(drives.joint.len());
         }
-        for servo in &self.servos {
-            let joints = &mut state.joints[servo.name.finger];
-            joints.position[servo.name.joint] = servo.angle;
-            joints.velocity[servo.name.joint] = servo.velocity;
+        for joint in self.joints() {
+            let joints = &mut state.joints[joint.name.finger];
+            joints.position[joint.name.joint] = joint.angle;
+            joints.velocity[joint.name.joint] = joint.velocity;
         }
         self.estimate_efforts(&mut state.efforts);
         Ok(())

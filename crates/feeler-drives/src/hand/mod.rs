@@ -10,7 +10,7 @@ use crate::clock::RigClock;
 use crate::config::DrivesConfig;
 use crate::error::{DriveError, JointName};
 use crate::registers::Registers;
-use crate::servo::Servo;
+use crate::servo::{Servo, ServoJoint};
 use crate::setup::blame;
 use crate::torque::TorqueEstimate;
 use feeler::check::Checker;
@@ -77,7 +77,7 @@ impl DriveHand {
             most_age,
             fingers: fingers.to_vec(),
             servos: Vec::new(),
-            ids: config.joints().map(|joint| joint.id).collect(),
+            ids: config.servos().map(|servo| servo.id).collect(),
             motion: match config.reads_current() {
                 true => Registers::of(config.protocol).motion_and_current,
                 false => Registers::of(config.protocol).motion,
@@ -112,14 +112,15 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Checks that each servo has moved by less than half a turn since its joint was at `before` (rad or m). A geared
-    /// servo that loses count of its turns in a restart reports a wrong joint angle.
+    /// Checks that each servo has moved by less than half a turn since its joints were at `before` (rad or m), in the
+    /// order of [`angles`](Self::angles). A geared servo that loses count of its turns in a restart reports a wrong joint
+    /// angle.
     ///
     /// # Errors
     /// Returns [`DriveError::TurnLost`] for the first joint that has moved further.
     pub fn check_turns(&self, before: &[f64]) -> Result<(), DriveError> {
-        let mut joints = self.servos.iter().zip(before);
-        joints.try_for_each(|(servo, &before)| servo.check_turn(before))
+        let mut joints = self.joints().zip(before);
+        joints.try_for_each(|(joint, &before)| joint.check_turn(before))
     }
 
     /// Message of the fault that stopped the hand, or `None` if it is running.
@@ -132,15 +133,20 @@ impl DriveHand {
         self.clock.now() - self.stamp
     }
 
-    /// Latest position of each joint, rad or m.
+    /// Latest position of each joint, rad or m, servo by servo.
     pub fn angles(&self) -> impl Iterator<Item = (JointName, f64)> {
-        self.servos.iter().map(|servo| (servo.name, servo.angle))
+        self.joints().map(|joint| (joint.name, joint.angle))
     }
 
-    /// Torque of each joint, from the latest current of its motor; `None` for a joint without a calibration.
+    /// All joints, servo by servo.
+    fn joints(&self) -> impl Iterator<Item = &ServoJoint> {
+        self.servos.iter().flat_map(|servo| servo.joints.iter())
+    }
+
+    /// Torque of each motor on the first joint that it moves, from its latest current; `None` without a calibration.
     pub fn torques(&self) -> impl Iterator<Item = (JointName, Option<TorqueEstimate>)> {
         let servos = self.servos.iter();
-        servos.map(|servo| (servo.name, servo.torque()))
+        servos.map(|servo| (servo.name(), servo.torque()))
     }
 
     /// Reads currents in every period from now on, even if [`DrivesConfig::reads_current`] is `false`.
@@ -148,9 +154,12 @@ impl DriveHand {
         self.motion = Registers::of(self.config.protocol).motion_and_current;
     }
 
-    /// Latest current of each motor, A, positive if it increases the joint's position; 0 if currents are not read.
+    /// Latest current of each motor, A, positive if it increases the position of the first joint that it moves; 0 if
+    /// currents are not read.
     pub fn currents(&self) -> impl Iterator<Item = (JointName, f64)> {
-        self.servos.iter().map(|servo| (servo.name, servo.current))
+        self.servos
+            .iter()
+            .map(|servo| (servo.name(), servo.current))
     }
 
     fn power_off(&mut self) {
@@ -166,9 +175,9 @@ impl DriveHand {
     /// Attributes an error of the bus to the joint of the servo concerned.
     fn blame_by_id(&self, source: BusError) -> DriveError {
         let id = source.servo();
-        let servo = self.servos.iter().find(|servo| Some(servo.name.id) == id);
+        let servo = self.servos.iter().find(|servo| Some(servo.name().id) == id);
         match servo {
-            Some(servo) => blame(servo.name)(source),
+            Some(servo) => blame(servo.name())(source),
             None => source.into(),
         }
     }

@@ -20,9 +20,8 @@ impl DriveHand {
     pub(super) fn read_motion(&mut self) -> Result<(), DriveError> {
         self.read_servos()?;
         let tolerance = self.config.limit_tolerance;
-        self.servos
-            .iter()
-            .try_for_each(|servo| servo.check(tolerance, SPEED_TOLERANCE))
+        self.joints()
+            .try_for_each(|joint| joint.check(tolerance, SPEED_TOLERANCE))
     }
 
     /// Reads position and velocity of all joints, and checks the health reported with them.
@@ -40,8 +39,8 @@ impl DriveHand {
             };
             servo.read(part.0, bytes);
             let health = Health::in_motion(registers, bytes);
-            let ill =
-                registers.motion_has_health && health.check(protocol, servo.name, &limits).is_err();
+            let ill = registers.motion_has_health
+                && health.check(protocol, servo.name(), &limits).is_err();
             if first_bad.is_none() && (error != 0 || ill) {
                 first_bad = Some((index, error, health));
             }
@@ -56,7 +55,7 @@ impl DriveHand {
 
     /// Returns the error for a servo that reported a fault in its response.
     fn explain(&mut self, index: usize, error: u8, health: Health) -> Result<(), DriveError> {
-        let joint = self.servos[index].name;
+        let joint = self.servos[index].name();
         let protocol = self.config.protocol;
         let limits = self.config.health_limits();
         if protocol == Protocol::Feetech {
@@ -92,7 +91,7 @@ impl DriveHand {
         let Some(servo) = self.servos.get(index) else {
             return Ok(());
         };
-        let joint = servo.name;
+        let joint = servo.name();
         let (torque, watchdog) = match self.config.protocol {
             Protocol::Dynamixel => self.ask_dynamixel(joint)?,
             // The rest is read in every period.

@@ -16,7 +16,7 @@ pub(super) enum Follower {
 }
 
 impl Follower {
-    /// Creates the follower for the mode of `drive`, with the joint's `limits`, `speed` and default leash.
+    /// Creates the follower for the mode of `drive`, with the `limits`, `speed` and default leash.
     pub fn new(drive: &JointDriveConfig, limits: (f64, f64), speed: f64, usual_leash: f64) -> Self {
         match drive.mode.goal() {
             GoalKind::Velocity => Self::Velocity { left_out: 0.0 },

@@ -2,7 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::{MAX_AGE, PERIOD, bus, config_in, finger};
+use crate::support::{MAX_AGE, PERIOD, bus, config_in, finger, share};
 use assert_no_alloc::{assert_no_alloc, permit_alloc};
 use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_drives::Port;
@@ -36,8 +36,12 @@ impl Port for Elsewhere {
 fn a_period_does_not_allocate() {
     for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
         let modes = DriveMode::ALL.into_iter();
-        for (fast, mode) in modes.flat_map(|mode| [(true, mode), (false, mode)]) {
+        let variants = modes.flat_map(|mode| [(true, mode, false), (false, mode, true)]);
+        for (fast, mode, shared) in variants {
             let mut config = config_in(protocol, mode, 2);
+            if shared {
+                config = share(config);
+            }
             config.health_interval = 0.001;
             config.fast_sync_read &= fast;
             let bus = bus(&config);
@@ -53,6 +57,8 @@ fn a_period_does_not_allocate() {
                 let reads = bus.log().entries().filter(|e| e.instruction == READ);
                 reads.count()
             };
+            // The first health check is due.
+            bus.wait(PERIOD);
             let before = asked();
             for _ in 0..20 {
                 let done = assert_no_alloc(|| {

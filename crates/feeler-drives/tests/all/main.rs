@@ -10,6 +10,7 @@ mod hostile_master;
 mod modes;
 mod packets;
 mod positions;
+mod shared;
 #[cfg(target_os = "linux")]
 #[path = "../support/mod.rs"]
 mod support;

@@ -8,7 +8,7 @@ use feeler::hand::{
 };
 use feeler_drives::DriveError;
 use feeler_drives::bus::Bus;
-use feeler_drives::config::DrivesConfig;
+use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::emulator::{EmulatedBus, EmulatorConfig, LagPlant, Lockstep};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
@@ -81,12 +81,33 @@ pub fn config_in(protocol: Protocol, mode: DriveMode, fingers: usize) -> DrivesC
     config
 }
 
+/// Lets the servos of finger 0 also move the joints of finger 1 of `config`, with other gear ratios. Both fingers are in the
+/// middle of their ranges at once.
+pub fn share(mut config: DrivesConfig) -> DrivesConfig {
+    let middle = (finger().joint_lower() + finger().joint_upper()) / 2.0;
+    let servos = config.finger[0].joint.clone();
+    let joints = config.finger[1].joint.iter_mut().zip(servos);
+    for (index, (joint, servo)) in joints.enumerate() {
+        *joint = JointDriveConfig {
+            shared: true,
+            model: String::new(),
+            mode: DriveMode::Velocity,
+            current_limit: None,
+            gear_ratio: servo.gear_ratio * [2.0, 0.8, 1.0][index],
+            ..servo.clone()
+        };
+        let counts = servo.counts(middle[index]);
+        joint.homing_offset = middle[index] - joint.turn(counts);
+    }
+    config
+}
+
 /// Simulated mechanism for the servos of `config`, with joints at the middle of their ranges.
 pub fn plant(config: &DrivesConfig) -> Box<LagPlant> {
     let geometry = finger();
     let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
-    let joints = config.joints().enumerate();
-    let angles = joints.map(|(i, joint)| joint.counts(middle[i % 3]) / COUNTS_PER_TURN * TAU);
+    let servos = config.servos().enumerate();
+    let angles = servos.map(|(i, servo)| servo.counts(middle[i % 3]) / COUNTS_PER_TURN * TAU);
     Box::new(LagPlant::new(0.01, &angles.collect::<Vec<_>>()))
 }
 
@@ -95,15 +116,20 @@ pub fn bus(config: &DrivesConfig) -> Lockstep {
     Lockstep::new(&EmulatorConfig::of(config, 1), plant(config))
 }
 
-/// Hand with `config` on `bus`.
-pub fn hand_on(bus: &Lockstep, config: &DrivesConfig) -> Result<DriveHand, DriveError> {
+/// Master of `bus`.
+pub fn master(bus: &Lockstep, config: &DrivesConfig) -> Bus {
     let how = (config.protocol, config.baud_rate);
-    let master = Bus::on(
+    Bus::on(
         Box::new(bus.clone()),
         how,
         config.reply_timeout,
         bus.clock(),
-    );
+    )
+}
+
+/// Hand with `config` on `bus`.
+pub fn hand_on(bus: &Lockstep, config: &DrivesConfig) -> Result<DriveHand, DriveError> {
+    let master = master(bus, config);
     let fingers = vec![finger(); config.finger.len()];
     DriveHand::on(master, config, &fingers, MAX_AGE)
 }
@@ -175,11 +201,13 @@ impl Rig {
     /// Positions of all joints by their servos (rad), not unwrapped.
     pub fn positions(&self) -> Vec<f64> {
         let position = Registers::of(self.config.protocol).position;
-        let counts = self.get(position).into_iter();
-        let joints = counts.zip(self.config.joints());
-        joints
-            .map(|(counts, joint)| joint.angle(counts as f64))
-            .collect()
+        let bus = self.emulator.servos();
+        let counts = |id: u8| {
+            let servo = bus.servos().iter().find(|servo| servo.id == id);
+            servo.expect("a servo").get(position) as f64
+        };
+        let joints = self.config.joints();
+        joints.map(|joint| joint.angle(counts(joint.id))).collect()
     }
 
     /// Waits until the bus has executed all instructions.

@@ -3,7 +3,9 @@
 use super::experiment_config::ExperimentConfig;
 use feeler::check::{Checker, Problem, Requirement};
 use feeler::control::task::TaskConfig;
+use feeler::control::task::grip::GripLaw;
 use feeler::hand::{FingerDescription, MAX_FINGERS};
+use feeler_drives::config::DrivesConfig;
 use feeler_sim::shapes::ShapeConfig;
 use feeler_sim::world::SimConfig;
 
@@ -40,6 +42,7 @@ fn checked(config: &ExperimentConfig) -> Checker {
         let fingers = config.hand.finger.iter();
         let prismatic: Vec<_> = fingers.map(FingerDescription::is_prismatic).collect();
         drives.check("drives", &prismatic, &mut checker);
+        check_shared_servos(&config.task, drives, &mut checker);
     }
     if let Some(ros2) = &config.ros2 {
         let fingers = config.hand.finger.iter().enumerate();
@@ -85,6 +88,27 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
         sensors == 0 || sensors == hand,
         &format!("no fingers, or as many as hand.finger ({hand}); an empty entry uses the values of [sensor]"),
     );
+}
+
+/// Requires a task that moves all fingers at the same speed if one servo moves joints of several fingers.
+fn check_shared_servos(task: &TaskConfig, drives: &DrivesConfig, checker: &mut Checker) {
+    let moves_alike = match task {
+        TaskConfig::Grip(grip) => grip.law != GripLaw::Policy,
+        _ => false,
+    };
+    let fingers = drives.finger.iter().enumerate();
+    let joints = fingers.flat_map(|(finger, drives)| {
+        let joints = drives.joint.iter().enumerate();
+        joints.map(move |(joint, drive)| (finger, joint, drive))
+    });
+    for (finger, joint, _) in joints.filter(|(.., drive)| drive.shared) {
+        checker.require(
+            &format!("drives.finger[{finger}].joint[{joint}].shared"),
+            "true".to_string(),
+            moves_alike,
+            "false with this task, which moves the fingers independently; only task.grip with another law than \"policy\" moves them alike",
+        );
+    }
 }
 
 /// Requires at least one object within the workspace of tasks that must touch one. This can be checked only in

@@ -5,7 +5,7 @@ use super::ros2::RosConfig;
 use feeler::check::Checker;
 use feeler::control::ControlConfig;
 use feeler::control::task::TaskConfig;
-use feeler::hand::{FingerConfig, FingerDescription};
+use feeler::hand::{FingerConfig, FingerDescription, JointCoupling};
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::forces::DriftConfig;
 use feeler_drives::config::DrivesConfig;
@@ -121,6 +121,12 @@ impl ExperimentConfig {
     pub fn measures_efforts(&self) -> bool {
         let drives = self.drives.as_ref();
         drives.is_some_and(DrivesConfig::measures_efforts)
+    }
+
+    /// Joints of different fingers that one servo of the table `[drives]` moves.
+    pub fn couplings(&self) -> Vec<JointCoupling> {
+        let drives = self.drives.as_ref();
+        drives.map_or_else(Vec::new, DrivesConfig::couplings)
     }
 }
 

@@ -214,7 +214,8 @@ impl Session {
         let config = &experiment.config;
         let layouts = layouts(config)?;
         let (fingers, joints) = fingers_at(config, homes)?;
-        let controller = Controller::with_task(control(experiment)?, task, &fingers, &layouts)?;
+        let mut controller = Controller::with_task(control(experiment)?, task, &fingers, &layouts)?;
+        controller.set_couplings(config.couplings());
         let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
         let taken = FrameCounter::default();
@@ -481,7 +482,9 @@ pub fn controller(
     layouts: &[ElementLayout],
 ) -> Result<Controller, ExperimentError> {
     let (control, task) = (control(experiment)?, &experiment.config.task);
-    Ok(Controller::new(control, task, fingers, layouts)?)
+    let mut controller = Controller::new(control, task, fingers, layouts)?;
+    controller.set_couplings(experiment.config.couplings());
+    Ok(controller)
 }
 
 /// Returns the controller of a hand that follows `requests`, which expire after `lifetime` (s).
@@ -500,6 +503,7 @@ pub(crate) fn following_controller(
     let control = control(experiment)?;
     let mut controller = Controller::with_task(control, Box::new(task), &fingers, &layouts)?;
     controller.set_laws(|_| planned_velocity());
+    controller.set_couplings(config.couplings());
     Ok(controller)
 }
 

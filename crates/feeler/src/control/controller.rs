@@ -4,7 +4,7 @@ pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::input_check::{check_count, check_input, check_load};
 use super::limits::{LimitedCommand, Request};
-use super::monitor::{EffortMonitor, JointMonitor, StuckSensorDetector};
+use super::monitor::{EffortMonitor, Felt, JointMonitor, StuckSensorDetector};
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandReadings};
@@ -14,7 +14,7 @@ use crate::control::law::{FingerLaws, HandLaw, Law, LawError};
 use crate::control::task::{Task, TaskConfig};
 use crate::hand::geometry::FingerGeometry;
 use crate::hand::kinematics::fingertip_pose;
-use crate::hand::{HandCommand, HandState};
+use crate::hand::{HandCommand, HandState, JointCoupling};
 use crate::sensor::fingertip::layout::ElementLayout;
 use glam::DVec3;
 
@@ -45,6 +45,7 @@ pub struct Controller {
     fingers: Vec<FingerControl>,
     poses: Vec<FingertipPose>,
     layouts: Vec<ElementLayout>,
+    couplings: Vec<JointCoupling>,
     task: Box<dyn Task>,
     law: Box<dyn HandLaw>,
     /// `true` for each finger that the law considers closed on the object; see [`HandReadings::closed`].
@@ -101,6 +102,7 @@ impl Controller {
             fingers,
             poses: vec![FingertipPose::default(); count],
             layouts: layouts[..count].to_vec(),
+            couplings: Vec::new(),
             task,
             law: config.hand_law(&layouts[..count])?,
             closed: vec![None; count],
@@ -121,6 +123,11 @@ impl Controller {
     pub fn set_laws(&mut self, law: impl Fn(usize) -> Box<dyn Law>) {
         let laws = (0..self.fingers.len()).map(law).collect();
         self.law = Box::new(FingerLaws::new(laws));
+    }
+
+    /// Sets the joints that are moved together with joints of other fingers; by default, each joint has its own motor.
+    pub fn set_couplings(&mut self, couplings: Vec<JointCoupling>) {
+        self.couplings = couplings;
     }
 
     /// Fingertip poses computed from the joint angles, as of the latest decision.
@@ -279,20 +286,50 @@ impl Controller {
         if self.stop_reason.is_some() {
             return Ok(());
         }
-        let inputs = touches.iter().zip(&state.joints);
-        for (index, (finger, (touch, joints))) in self.fingers.iter_mut().zip(inputs).enumerate() {
+        for (index, (touch, joints)) in touches.iter().zip(&state.joints).enumerate() {
+            let felt = self.felt_efforts(index, touches, state);
+            let Some(finger) = self.fingers.get_mut(index) else {
+                break;
+            };
             let (geometry, stamp) = (&finger.geometry, state.stamp);
             let command = finger.admitted.joint_velocity;
             let joint_monitor = &mut finger.joint_monitor;
             joint_monitor.watch(index, geometry, stamp, joints.position, command)?;
             finger.stuck_sensor.watch(index, touch)?;
-            if let (Some(efforts), Some(pose)) = (state.efforts.get(index), self.poses.get(index)) {
-                let force = pose.rotation * touch.frame.resultant(&self.layouts[index]);
+            if let (Some(felt), Some(efforts)) = (felt, state.efforts.get(index)) {
                 let monitor = &mut finger.effort_monitor;
-                monitor.watch(index, geometry, stamp, joints, efforts, force)?;
+                monitor.watch(index, geometry, stamp, joints, efforts, felt)?;
             }
         }
         Ok(())
+    }
+
+    /// Efforts of the motors of finger `index` that balance all measured forces, or `None` if its efforts are not compared.
+    fn felt_efforts(
+        &self,
+        index: usize,
+        touches: &[TactileReading],
+        state: &HandState,
+    ) -> Option<Felt> {
+        let monitor = &self.fingers.get(index)?.effort_monitor;
+        let efforts = state.efforts.get(index)?;
+        if !monitor.compares(efforts) {
+            return None;
+        }
+        let felt = |finger: usize| {
+            let (own, pose) = (self.fingers.get(finger)?, self.poses.get(finger)?);
+            let frame = &touches.get(finger)?.frame;
+            let force = pose.rotation * frame.resultant(self.layouts.get(finger)?);
+            Some(Felt::of(&own.geometry, state.joints.get(finger)?, force))
+        };
+        let mut sum = felt(index)?;
+        for coupling in &self.couplings {
+            let ((first, joint), (other, moved)) = (coupling.first, coupling.other);
+            if first == index {
+                sum.add(joint, coupling.ratio * felt(other)?.efforts[moved]);
+            }
+        }
+        Some(sum)
     }
 
     /// Advances the task and updates its plan for each finger.

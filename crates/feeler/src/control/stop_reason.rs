@@ -146,7 +146,9 @@ pub enum StopReason {
     },
     /// The effort of a joint's motor contradicts the forces measured by the fingertip.
     #[error(
-        "the motor of joint {joint} of finger {finger} exerts {effort:.3}, but the fingertip's forces require {felt:.3} (N m or N, tolerance {tolerance:.3}): its tactile sensor has failed, or the finger touches something beside its fingertip"
+        "the motor of joint {joint} of finger {finger} exerts {effort:.3}, but {} require {felt:.3} (N m or N, tolerance {tolerance:.3}): {}",
+        mismatch(*shared).0,
+        mismatch(*shared).1
     )]
     EffortMismatch {
         /// Index of the finger.
@@ -159,6 +161,8 @@ pub enum StopReason {
         felt: f64,
         /// Maximum allowed difference (N·m or N).
         tolerance: f64,
+        /// `true` if the motor also moves joints of other fingers, whose forces are then included.
+        shared: bool,
     },
     /// The compression of an element exceeds the limit.
     #[error("element {element} of finger {finger} is pressed with {force:.2} N (limit {limit} N)")]
@@ -203,6 +207,20 @@ pub enum StopReason {
         /// Name of the affected quantity.
         what: &'static str,
     },
+}
+
+/// Names the forces that contradict a motor, and possible causes. The motor moves one finger, or several if `shared`.
+fn mismatch(shared: bool) -> (&'static str, &'static str) {
+    match shared {
+        false => (
+            "the fingertip's forces",
+            "its tactile sensor has failed, or the finger touches something beside its fingertip",
+        ),
+        true => (
+            "the forces on all fingertips that it moves",
+            "one of their tactile sensors has failed, or one of these fingers touches something beside its fingertip",
+        ),
+    }
 }
 
 impl StopReason {

@@ -35,6 +35,18 @@ pub struct JointEfforts {
     pub uncertainty: JointVector,
 }
 
+/// A motor that moves joints of two fingers, such as both jaws of a gripper. Its [effort](JointEfforts) is that on the
+/// first joint if this one alone were loaded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointCoupling {
+    /// Finger and joint to which the effort of the motor refers.
+    pub first: (usize, usize),
+    /// Finger and joint that the motor also moves.
+    pub other: (usize, usize),
+    /// Motion of the other joint (rad or m) per motion of the first one (rad or m).
+    pub ratio: f64,
+}
+
 /// Encoder readings of all fingers at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandState {

@@ -52,6 +52,6 @@ pub use sin_cos::sin_cos_of;
 pub use three_joints::ThreeJoints;
 
 pub use interface::{
-    Hand, HandCommand, HandError, HandState, JointEfforts, JointState, MAX_FINGERS,
+    Hand, HandCommand, HandError, HandState, JointCoupling, JointEfforts, JointState, MAX_FINGERS,
     check_finger_count,
 };

@@ -1,24 +1,20 @@
 //! Simulated runs whose hand consists of servos on an emulated bus. The servos move the simulated world, in real time
 //! or in lockstep with the run.
 
+use super::world_plant::WorldPlant;
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, Session, fingers_at_home};
-use feeler::hand::{FingerDescription, JointVector, jacobian};
+use feeler::hand::FingerDescription;
 use feeler::pace::{FixedRate, PaceError, Schedule};
 use feeler_drives::bus::Bus;
-use feeler_drives::config::{DrivesConfig, FingerDrivesConfig};
-use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Lockstep, Motion, Plant};
+use feeler_drives::config::DrivesConfig;
+use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Lockstep, Plant};
 use feeler_drives::hand::DriveHand;
-use feeler_drives::registers::COUNTS_PER_TURN;
 use feeler_drives::{DriveError, RigClock};
 use feeler_sim::rig::SimRig;
-use feeler_sim::world::World;
-use std::f64::consts::TAU;
 
 /// Minimum reply timeout of emulated servos (s). The emulator is a thread that may be delayed on a busy computer.
 const EMULATED_REPLY_TIMEOUT: f64 = 0.1;
-/// Tolerance of a time step of the world, relative to the step: timestamps are not exact multiples.
-const EARLY: f64 = 1e-6;
 
 /// Error in the setup of a run on an emulated bus.
 #[derive(Debug, thiserror::Error)]
@@ -35,90 +31,6 @@ pub enum DrivenError {
     /// The control period is invalid.
     #[error("control.period: {0}")]
     Period(#[from] PaceError),
-}
-
-/// Plant that emulated servos move: the fingers of a simulated world.
-struct WorldPlant {
-    rig: SimRig,
-    fingers: Vec<FingerDrivesConfig>,
-    motions: Vec<Motion>,
-    /// Torque of the contact forces on each servo's horn, against positive motion, N m.
-    loads: Vec<f64>,
-    /// `true` if the simulation failed and is stopped.
-    failed: bool,
-}
-
-impl WorldPlant {
-    fn new(rig: SimRig, config: &DrivesConfig) -> Self {
-        let mut plant = Self {
-            rig: rig.clone(),
-            motions: vec![Motion::default(); config.joints().count()],
-            loads: vec![0.0; config.joints().count()],
-            fingers: config.finger.clone(),
-            failed: false,
-        };
-        plant.measure(&rig.world());
-        plant
-    }
-
-    fn measure(&mut self, world: &World) {
-        let mut motions = self.motions.iter_mut().zip(&mut self.loads);
-        let states = world.state().fingers.iter();
-        for (finger, (drives, state)) in self.fingers.iter().zip(states).enumerate() {
-            let (angles, velocities) = (world.encoded(finger), state.joints.velocity);
-            // The moment of the forces about the dome's centre is neglected.
-            let force = world.contact_force(finger);
-            let geometry = &world.model().fingers[finger].geometry;
-            let columns = jacobian(geometry, state.joints.position);
-            let joints = angles.iter().zip(velocities.iter()).zip(&drives.joint);
-            let joints = joints.zip(columns.columns());
-            for ((((angle, velocity), joint), column), (motion, load)) in
-                joints.zip(motions.by_ref())
-            {
-                motion.angle = joint.counts(angle) * TAU / COUNTS_PER_TURN;
-                motion.velocity = joint.servo_velocity(velocity);
-                // The object's reaction against the force that the finger exerts on it.
-                *load = f64::from(joint.direction) * column.dot(force) / joint.transmission();
-            }
-        }
-    }
-}
-
-impl Plant for WorldPlant {
-    fn advance(&mut self, now: f64, goals: &[f64]) {
-        let rig = self.rig.clone();
-        let mut world = rig.world();
-        let step = world.model().step;
-        if self.failed || world.state().time + step * (1.0 - EARLY) > now {
-            return;
-        }
-        let mut goals = goals.iter();
-        for (finger, drives) in self.fingers.iter().enumerate() {
-            let mut joints = drives.joint.iter().zip(goals.by_ref());
-            let velocity = JointVector::zeros(drives.joint.len());
-            let velocity = velocity.map(|_| match joints.next() {
-                Some((joint, &goal)) => joint.joint_velocity(goal),
-                None => 0.0,
-            });
-            world.command(finger, velocity);
-        }
-        while world.state().time + step * (1.0 - EARLY) <= now {
-            if world.step().is_err() {
-                // The world stops here, which the monitors of the hand detect.
-                self.failed = true;
-                break;
-            }
-        }
-        self.measure(&world);
-    }
-
-    fn motion(&self, servo: usize) -> Motion {
-        self.motions.get(servo).copied().unwrap_or_default()
-    }
-
-    fn load(&self, servo: usize) -> f64 {
-        self.loads.get(servo).copied().unwrap_or_default()
-    }
 }
 
 /// Returns the servos to be emulated for `experiment`: those of its table `[drives]`, or defaults for its hand.

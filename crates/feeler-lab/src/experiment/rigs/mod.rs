@@ -6,3 +6,5 @@ pub(crate) mod bus_rig;
 pub mod driven;
 pub mod linked;
 pub(crate) mod sim_rig_server;
+#[cfg(target_os = "linux")]
+mod world_plant;

@@ -5,7 +5,8 @@
 //! f`, with the Jacobian `J` and the force `f` on the fingertip by the object. Both sides are averaged, because
 //! currents are noisy. The tolerance is one and a half times the largest recent uncertainty of the effort plus
 //! [`effort_share`](super::MonitorConfig::effort_share) of the larger side. If a joint exceeds it for
-//! some time, the effort contradicts the tactile sensor.
+//! some time, the effort contradicts the tactile sensor. A motor that moves joints of several fingers balances the forces
+//! on all of their fingertips, each times the motion of its joint per motion of the first one (virtual work).
 //!
 //! Weight, inertia and viscous friction of the finger, and the moment of the forces about the dome's centre, are
 //! neglected.
@@ -13,7 +14,7 @@
 use super::MonitorConfig;
 use crate::control::stop_reason::StopReason;
 use crate::hand::geometry::FingerGeometry;
-use crate::hand::joint_vector::JointVector;
+use crate::hand::joint_vector::{JointVector, MAX_JOINTS};
 use crate::hand::kinematics::jacobian;
 use crate::hand::{JointEfforts, JointState};
 use glam::DVec3;
@@ -27,6 +28,36 @@ const MISMATCH_TIME: f64 = 0.1;
 const FAST: f64 = 0.3;
 /// Factor on the uncertainty in the tolerance, because static friction may exceed the friction at calibration.
 const UNCERTAINTY_FACTOR: f64 = 1.5;
+
+/// Efforts of one finger's motors that balance the measured forces.
+#[derive(Debug, Clone, Copy)]
+pub struct Felt {
+    /// Effort on each joint.
+    pub efforts: JointVector,
+    /// `true` for each joint whose motor also moves a joint of another finger.
+    pub shared: [bool; MAX_JOINTS],
+}
+
+impl Felt {
+    /// Efforts that balance the `force` on the fingertip by the object (N, in W), of motors that move this finger only.
+    pub fn of(geometry: &FingerGeometry, joints: &JointState, force: DVec3) -> Self {
+        let mut efforts = JointVector::zeros(geometry.joint_count());
+        let jacobian = jacobian(geometry, joints.position);
+        for (joint, column) in jacobian.columns().iter().enumerate() {
+            efforts[joint] = -column.dot(force);
+        }
+        Self {
+            efforts,
+            shared: [false; MAX_JOINTS],
+        }
+    }
+
+    /// Adds the `effort` that another finger requires of the motor of `joint`.
+    pub fn add(&mut self, joint: usize, effort: f64) {
+        self.efforts[joint] += effort;
+        self.shared[joint] = true;
+    }
+}
 
 /// Compares the efforts of one finger's drives with the forces that its fingertip measures.
 #[derive(Debug, Clone)]
@@ -50,6 +81,11 @@ struct Means {
 }
 
 impl EffortMonitor {
+    /// Returns `true` if `efforts` are known and compared.
+    pub fn compares(&self, efforts: &JointEfforts) -> bool {
+        self.share != 0.0 && !efforts.effort.is_empty()
+    }
+
     /// Creates a monitor. A gap of more than `most_gap` (s) between two readings restarts the comparison.
     pub fn new(config: MonitorConfig, most_gap: f64) -> Self {
         Self {
@@ -64,8 +100,8 @@ impl EffortMonitor {
         self.means = None;
     }
 
-    /// Compares the `efforts` of `finger` with the `force` on its fingertip by the object (N, in W), both measured at
-    /// `stamp` (s). Does not allocate.
+    /// Compares the `efforts` of `finger` with those that balance the measured forces, `felt`, at `stamp` (s). Does not
+    /// allocate.
     ///
     /// # Errors
     /// If they have differed by more than the tolerance for too long.
@@ -76,30 +112,22 @@ impl EffortMonitor {
         stamp: f64,
         joints: &JointState,
         efforts: &JointEfforts,
-        force: DVec3,
+        felt: Felt,
     ) -> Result<(), StopReason> {
-        if self.share == 0.0 || efforts.effort.is_empty() {
-            return Ok(());
-        }
         let limits = geometry.joint_speed_limit();
         let is_fast = |joint| joints.velocity[joint].abs() > FAST * limits[joint];
         if (0..geometry.joint_count()).any(is_fast) {
             self.reset();
             return Ok(());
         }
-        let mut felt = JointVector::zeros(geometry.joint_count());
-        let jacobian = jacobian(geometry, joints.position);
-        for (joint, column) in jacobian.columns().iter().enumerate() {
-            felt[joint] = -column.dot(force);
-        }
         let share = self.share;
-        let means = self.average(stamp, efforts, felt);
+        let means = self.average(stamp, efforts, felt.efforts);
         for joint in 0..geometry.joint_count() {
-            let (effort, felt) = (means.effort[joint], means.felt[joint]);
-            let larger = effort.abs().max(felt.abs());
+            let (effort, own) = (means.effort[joint], means.felt[joint]);
+            let larger = effort.abs().max(own.abs());
             let tolerance = UNCERTAINTY_FACTOR * means.uncertainty[joint] + share * larger;
             // False for an unknown effort, which is NaN.
-            let exceeds = (effort - felt).abs() > tolerance;
+            let exceeds = (effort - own).abs() > tolerance;
             let since = &mut means.since[joint];
             *since = match exceeds {
                 true if since.is_nan() => stamp,
@@ -111,8 +139,9 @@ impl EffortMonitor {
                     finger,
                     joint,
                     effort,
-                    felt,
+                    felt: own,
                     tolerance,
+                    shared: felt.shared[joint],
                 });
             }
         }

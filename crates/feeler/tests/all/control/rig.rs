@@ -98,6 +98,11 @@ pub fn controller() -> Controller {
 
 /// Like [`controller`], but with this configuration of the monitors.
 pub fn controller_with(monitor: MonitorConfig) -> Controller {
+    controller_of(1, monitor)
+}
+
+/// Controller of this number of equal fingers.
+pub fn controller_of(fingers: usize, monitor: MonitorConfig) -> Controller {
     let config = ControlConfig {
         monitor,
         ..control()
@@ -105,8 +110,8 @@ pub fn controller_with(monitor: MonitorConfig) -> Controller {
     Controller::with_task(
         config,
         Box::new(Along::default()),
-        &[geometry()],
-        &[layout()],
+        &vec![geometry(); fingers],
+        &vec![layout(); fingers],
     )
     .expect("a controller")
 }
