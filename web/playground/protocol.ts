@@ -95,6 +95,8 @@ export interface Calls {
   create: { argument: { run: number; settings: RunSettings; keep: number }; result: string };
   /** Advances a run at `speed` times real time (`Infinity`: as fast as possible), or pauses it (0). */
   pace: { argument: { run: number; speed: number }; result: undefined };
+  /** Computes a run as fast as possible up to `time` (s), also if it is paused. */
+  skip: { argument: { run: number; time: number }; result: undefined };
   /** Advances a paused run by `steps` control steps. */
   step: { argument: { run: number; steps: number }; result: undefined };
   order: { argument: { run: number; order: "stop" | "resume" }; result: undefined };

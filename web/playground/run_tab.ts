@@ -12,6 +12,8 @@ import { RunView } from "./run_view";
 
 /** Number of rows that a view keeps: two minutes at 100 Hz. */
 const KEEP = 12_000;
+/** Time without motion of a slider after which the run is computed again (ms). */
+const RECOMPUTE_DELAY = 200;
 const SPEEDS: [number, string][] = [
   [0.25, "quarter speed"],
   [1, "real time"],
@@ -51,6 +53,10 @@ export class RunTab {
   #time = 0;
   /** Friction of the run at its start, relative to the experiment's. */
   #startFriction = 1;
+  /** Timer that computes the run again after a slider has moved. */
+  #recompute: ReturnType<typeof setTimeout> | undefined;
+  /** Resolves when the latest run has been set up. */
+  #setUp: Promise<void> = Promise.resolve();
 
   constructor(engine: Engine, catalogue: Catalogue) {
     this.#engine = engine;
@@ -90,7 +96,19 @@ export class RunTab {
   }
 
   /** Shows `settings` and starts the run at `speed` times real time. */
-  async start(settings?: Partial<PageSettings>, speed?: number): Promise<void> {
+  start(settings?: Partial<PageSettings>, speed?: number): Promise<void> {
+    return this.#next(() => this.#start(settings, speed));
+  }
+
+  /** Calls `setUp` after earlier runs have been set up. */
+  #next(setUp: () => Promise<void>): Promise<void> {
+    const done = this.#setUp.then(setUp);
+    this.#setUp = done.catch(() => {});
+    return done;
+  }
+
+  /** Sets up a run, and computes it as fast as possible up to `time` (s). */
+  async #start(settings?: Partial<PageSettings>, speed?: number, time = 0, paused = false): Promise<void> {
     if (settings && !(await this.form.apply(settings))) return;
     if (speed !== undefined) this.#speed.value = String(speed);
     const chosen = this.form.settings();
@@ -104,12 +122,13 @@ export class RunTab {
         const law = place === 1 ? compare : lawOf(settings.set) || this.form.ownLaw;
         await this.#create(`${settings.experiment}, ${law}, seed ${settings.seed}`, settings);
       }
-      this.#paused = false;
+      this.#paused = paused;
       this.#enable(true);
+      if (time > 0) this.#each("skip", { time });
       this.#pace();
       setText(
         this.#status,
-        "The run is being computed in this page. Sliders change the next run; friction changes this one, too.",
+        "The run is being computed in this page. Friction changes it from now on; other sliders compute it again up to the present time.",
       );
     } catch (error) {
       await this.#close();
@@ -192,10 +211,22 @@ export class RunTab {
   }
 
   #moved(slider: string): void {
-    if (slider !== "friction" || this.#shown.length === 0 || this.#shown.every(({ over }) => over)) return;
+    if (this.#shown.length === 0 || this.#shown.every(({ over }) => over)) return;
+    if (slider !== "friction") {
+      clearTimeout(this.#recompute);
+      this.#recompute = setTimeout(() => this.#computeAgain(), RECOMPUTE_DELAY);
+      return;
+    }
     const factor = this.form.sliders.factor("friction") / this.#startFriction;
     this.#each("friction", { factor });
     this.#changedAt ??= this.#time;
+  }
+
+  /** Computes the shown runs again with the values of the sliders, up to the present time. */
+  #computeAgain(): void {
+    const { experiment } = this.form.settings();
+    if (this.#shown.some(({ settings, over }) => over || settings.experiment !== experiment)) return;
+    void this.#next(() => this.#start(undefined, undefined, this.#time, this.#paused));
   }
 
   #toggle(): void {
@@ -208,7 +239,7 @@ export class RunTab {
     this.#each("pace", { speed: this.#paused ? 0 : Number(this.#speed.value) });
   }
 
-  #each<Name extends "pace" | "step" | "friction">(
+  #each<Name extends "pace" | "skip" | "step" | "friction">(
     name: Name,
     argument: Omit<Calls[Name]["argument"], "run">,
   ): void {
@@ -233,6 +264,7 @@ export class RunTab {
       await this.#engine.call("discard", { run: number });
     }
     this.#shown = [];
+    clearTimeout(this.#recompute);
     this.#changedAt = undefined;
     this.#startFriction = this.form.sliders.factor("friction");
     this.#player?.remove();

@@ -11,6 +11,8 @@ interface Active {
   speed: number;
   /** Wall time (ms) and simulated time (s) at which the current speed was set. */
   since: { wall: number; simulated: number };
+  /** Simulated time up to which the run advances as fast as possible (s). */
+  skipUntil: number;
   state: RunState;
   /** Wall time spent so far (ms). */
   spent: number;
@@ -59,13 +61,17 @@ const functions: {
       ...(sensing ? [`sensing="${sensing}"`] : []),
     ]);
     const state = JSON.parse(made.state()) as RunState;
-    runs.set(run, { run: made, speed: 0, since: { wall: 0, simulated: 0 }, state, spent: 0 });
+    runs.set(run, { run: made, speed: 0, since: { wall: 0, simulated: 0 }, skipUntil: 0, state, spent: 0 });
     return made.page(keep);
   },
   pace({ run, speed }) {
     const active = get(run);
     active.speed = speed;
     active.since = { wall: performance.now(), simulated: active.state.time };
+    goOn();
+  },
+  skip({ run, time }) {
+    get(run).skipUntil = time;
     goOn();
   },
   step({ run, steps }) {
@@ -142,7 +148,7 @@ yields.port1.onmessage = () => {
   let busy = false;
   let waiting = false;
   for (const [number, active] of runs) {
-    if (active.speed === 0 || active.state.over) continue;
+    if ((active.speed === 0 && !skips(active)) || active.state.over) continue;
     const advanced = advance(number, active, stepsDue);
     busy ||= advanced;
     waiting ||= !advanced;
@@ -151,9 +157,15 @@ yields.port1.onmessage = () => {
   else if (waiting) setTimeout(goOn, BURST / 2);
 };
 
+function skips({ skipUntil, state }: Active): boolean {
+  return state.time < skipUntil;
+}
+
 /** Number of steps to compute next, a few at a time: 0 if the run is ahead of its speed. */
-function stepsDue({ speed, since, state }: Active): number {
+function stepsDue(active: Active): number {
+  const { speed, since, state } = active;
   if (speed === Infinity) return 4;
+  if (skips(active)) return Math.min(4, Math.ceil((active.skipUntil - state.time) / PERIOD));
   const due = since.simulated + (speed * (performance.now() - since.wall)) / 1000;
   return Math.min(4, Math.ceil((due - state.time) / PERIOD));
 }
@@ -170,8 +182,10 @@ function advance(number: number, active: Active, due: (active: Active) => number
       const steps = due(active);
       if (steps <= 0) break;
       rows.push(active.run.step(steps));
+      const skipped = skips(active);
       active.state = JSON.parse(active.run.state());
-    } while (active.speed > 0 && !active.state.over && performance.now() - start < BURST);
+      if (skipped) active.since = { wall: performance.now(), simulated: active.state.time };
+    } while ((active.speed > 0 || skips(active)) && !active.state.over && performance.now() - start < BURST);
   } catch (error) {
     active.speed = 0;
     scope.postMessage({ kind: "broken", run: number, error: String(error) });
