@@ -4,7 +4,7 @@ pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::input_check::{check_count, check_input, check_load};
 use super::limits::{LimitedCommand, Request};
-use super::monitor::{EffortMonitor, Felt, JointMonitor, StuckSensorDetector};
+use super::monitor::{EffortMonitor, ExpectedEfforts, JointMonitor, StuckSensorDetector};
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandReadings};
@@ -310,7 +310,7 @@ impl Controller {
         index: usize,
         touches: &[TactileReading],
         state: &HandState,
-    ) -> Option<Felt> {
+    ) -> Option<ExpectedEfforts> {
         let monitor = &self.fingers.get(index)?.effort_monitor;
         let efforts = state.efforts.get(index)?;
         if !monitor.compares(efforts) {
@@ -320,7 +320,11 @@ impl Controller {
             let (own, pose) = (self.fingers.get(finger)?, self.poses.get(finger)?);
             let frame = &touches.get(finger)?.frame;
             let force = pose.rotation * frame.resultant(self.layouts.get(finger)?);
-            Some(Felt::of(&own.geometry, state.joints.get(finger)?, force))
+            Some(ExpectedEfforts::of(
+                &own.geometry,
+                state.joints.get(finger)?,
+                force,
+            ))
         };
         let mut sum = felt(index)?;
         for coupling in &self.couplings {

@@ -31,14 +31,14 @@ const UNCERTAINTY_FACTOR: f64 = 1.5;
 
 /// Efforts of one finger's motors that balance the measured forces.
 #[derive(Debug, Clone, Copy)]
-pub struct Felt {
+pub struct ExpectedEfforts {
     /// Effort on each joint.
     pub efforts: JointVector,
     /// `true` for each joint whose motor also moves a joint of another finger.
     pub shared: [bool; MAX_JOINTS],
 }
 
-impl Felt {
+impl ExpectedEfforts {
     /// Efforts that balance the `force` on the fingertip by the object (N, in W), of motors that move this finger only.
     pub fn of(geometry: &FingerGeometry, joints: &JointState, force: DVec3) -> Self {
         let mut efforts = JointVector::zeros(geometry.joint_count());
@@ -112,7 +112,7 @@ impl EffortMonitor {
         stamp: f64,
         joints: &JointState,
         efforts: &JointEfforts,
-        felt: Felt,
+        felt: ExpectedEfforts,
     ) -> Result<(), StopReason> {
         let limits = geometry.joint_speed_limit();
         let is_fast = |joint| joints.velocity[joint].abs() > FAST * limits[joint];

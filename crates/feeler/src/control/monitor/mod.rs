@@ -6,6 +6,6 @@ mod joints;
 mod stuck_sensor;
 
 pub use config::MonitorConfig;
-pub(super) use effort::{EffortMonitor, Felt};
+pub(super) use effort::{EffortMonitor, ExpectedEfforts};
 pub(super) use joints::JointMonitor;
 pub(super) use stuck_sensor::StuckSensorDetector;
