@@ -33,8 +33,11 @@ pub fn has_papers_claims(facts: &RunFacts) -> bool {
 /// `true` if the task's claims apply to runs with these facts. No claims apply if another program moved the hand; the
 /// paper's claims require its law.
 pub fn claims_apply(facts: &RunFacts) -> bool {
+    if facts.followed_requests() {
+        return false;
+    }
     let another_law = facts.law.as_deref().is_some_and(|law| law != PAPERS_LAW);
-    !facts.followed_requests() && !(another_law && has_papers_claims(facts))
+    !(another_law && has_papers_claims(facts))
 }
 
 /// `true` if reports of runs with these facts show the task's claims. The paper's claims require enough planned
