@@ -10,7 +10,7 @@ use feeler::control::task::grip::GripLaw;
 use feeler_console::{Outputs, Steps, watch_for_interrupt};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
-use feeler_lab::grips::{GripDifference, GripRow, GripScore, GripTrial, excess_over_load};
+use feeler_lab::grips::{GripDifference, GripRow, GripScore, GripTrial, grip_over_load};
 use feeler_report::pages::{GRIP_COLUMNS, GripsPage, grips_page, significant};
 use feeler_report::run::create_folder;
 use std::collections::BTreeMap;
@@ -176,7 +176,7 @@ fn page(arguments: &Arguments, results: &Results) -> GripsPage {
         seed: arguments.trial.seed,
         laws: laws.collect(),
         verdicts: verdicts(results),
-        excess: excess_over_load(results),
+        grips: grip_over_load(results),
     }
 }
 

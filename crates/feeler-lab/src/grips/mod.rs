@@ -6,7 +6,7 @@ mod score;
 
 pub use meter::GripMeter;
 pub use object::GripObject;
-pub use score::{GripDifference, GripRow, GripScore, excess_over_load};
+pub use score::{GripDifference, GripRow, GripScore, grip_over_load};
 
 use crate::config::{Experiment, ExperimentConfig};
 #[cfg(target_os = "linux")]

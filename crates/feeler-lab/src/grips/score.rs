@@ -185,19 +185,18 @@ impl GripDifference {
     }
 }
 
-/// Excess of the grip of each law over the load: mean with its 95 % interval in bins of equally many objects.
-pub fn excess_over_load(laws: &[(String, Vec<GripRow>)]) -> Curves {
+/// Mean grip of each law against the load over twice the static friction: mean with its 95 % interval in bins of equally
+/// many objects. The last curve is the lower bound.
+pub fn grip_over_load(laws: &[(String, Vec<GripRow>)]) -> Curves {
     let curve = |(law, rows): &(String, Vec<GripRow>)| {
-        let mut held: Vec<_> = rows
-            .iter()
-            .filter_map(|row| Some((row.grips[1], row.excess_of_load()?)))
-            .collect();
-        held.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let held = rows.iter().filter(|row| row.excess_of_load().is_some());
+        let mut held: Vec<_> = held.map(|row| row.grips).collect();
+        held.sort_by(|a, b| a[1].total_cmp(&b[1]));
         let size = held.len().div_ceil(BINS).max(1);
         let points = held.chunks(size).filter_map(|bin| {
-            let excess: Vec<f64> = bin.iter().map(|held| held.1).collect();
-            let mean = bootstrap(&excess)?;
-            let load = bin.iter().map(|held| held.0).sum::<f64>() / bin.len() as f64;
+            let grips: Vec<f64> = bin.iter().map(|held| held[0]).collect();
+            let mean = bootstrap(&grips)?;
+            let load = bin.iter().map(|held| held[1]).sum::<f64>() / bin.len() as f64;
             Some((load, mean.with_ends(bin.len())))
         });
         Curve {
@@ -205,9 +204,17 @@ pub fn excess_over_load(laws: &[(String, Vec<GripRow>)]) -> Curves {
             points: points.collect(),
         }
     };
+    let mut curves: Vec<_> = laws.iter().map(curve).collect();
+    let loads = curves.first().map_or_else(Vec::new, |first| {
+        first.points.iter().map(|point| point.0).collect()
+    });
+    curves.push(Curve {
+        law: "lower bound".to_string(),
+        points: loads.into_iter().map(|load| (load, [load; 3])).collect(),
+    });
     Curves {
-        title: "Mean grip relative to the load over twice the static friction".to_string(),
+        title: "Mean grip (N)".to_string(),
         against: "load over twice the static friction (N)".to_string(),
-        curves: laws.iter().map(curve).collect(),
+        curves,
     }
 }

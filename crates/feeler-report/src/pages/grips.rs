@@ -30,13 +30,13 @@ pub struct GripsPage {
     pub laws: Vec<(String, [String; 9])>,
     /// A sentence for each law but the first, which compares it with the first.
     pub verdicts: Vec<String>,
-    /// Excess of the grip over the load.
-    pub excess: Curves,
+    /// Mean grip against the load.
+    pub grips: Curves,
 }
 
 /// Renders the page as HTML.
 pub fn grips_page(page: &GripsPage) -> String {
-    let drawn = [curves_figure(&page.excess, 1)];
+    let drawn = [curves_figure(&page.grips, 1)];
     let title = format!("Grip laws: {}", page.name);
     let rows = page.laws.iter().map(|(law, values)| {
         html! { td { (law) } (numbers(values)) }
