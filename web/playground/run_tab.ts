@@ -128,7 +128,7 @@ export class RunTab {
       this.#pace();
       setText(
         this.#status,
-        "The run is being computed in this page. Friction changes it from now on; other sliders compute it again up to the present time.",
+        "The run is being computed in this page. Friction changes it from now on; other sliders recompute it up to the present time.",
       );
     } catch (error) {
       await this.#close();

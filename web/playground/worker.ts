@@ -148,7 +148,7 @@ yields.port1.onmessage = () => {
   let busy = false;
   let waiting = false;
   for (const [number, active] of runs) {
-    if ((active.speed === 0 && !skips(active)) || active.state.over) continue;
+    if ((active.speed === 0 && !isSkipping(active)) || active.state.over) continue;
     const advanced = advance(number, active, stepsDue);
     busy ||= advanced;
     waiting ||= !advanced;
@@ -157,7 +157,7 @@ yields.port1.onmessage = () => {
   else if (waiting) setTimeout(goOn, BURST / 2);
 };
 
-function skips({ skipUntil, state }: Active): boolean {
+function isSkipping({ skipUntil, state }: Active): boolean {
   return state.time < skipUntil;
 }
 
@@ -165,7 +165,7 @@ function skips({ skipUntil, state }: Active): boolean {
 function stepsDue(active: Active): number {
   const { speed, since, state } = active;
   if (speed === Infinity) return 4;
-  if (skips(active)) return Math.min(4, Math.ceil((active.skipUntil - state.time) / PERIOD));
+  if (isSkipping(active)) return Math.min(4, Math.ceil((active.skipUntil - state.time) / PERIOD));
   const due = since.simulated + (speed * (performance.now() - since.wall)) / 1000;
   return Math.min(4, Math.ceil((due - state.time) / PERIOD));
 }
@@ -182,10 +182,14 @@ function advance(number: number, active: Active, due: (active: Active) => number
       const steps = due(active);
       if (steps <= 0) break;
       rows.push(active.run.step(steps));
-      const skipped = skips(active);
+      const skipped = isSkipping(active);
       active.state = JSON.parse(active.run.state());
       if (skipped) active.since = { wall: performance.now(), simulated: active.state.time };
-    } while ((active.speed > 0 || skips(active)) && !active.state.over && performance.now() - start < BURST);
+    } while (
+      (active.speed > 0 || isSkipping(active)) &&
+      !active.state.over &&
+      performance.now() - start < BURST
+    );
   } catch (error) {
     active.speed = 0;
     scope.postMessage({ kind: "broken", run: number, error: String(error) });

@@ -158,16 +158,16 @@ pub enum DriveError {
     },
     /// No position of a servo is within the limits of all joints that it moves.
     #[error(
-        "{joint} would be between {lower:.4} and {upper:.4} {unit} while theta{} of finger {} is within its limits, beyond its own: expected a common range; home the hand, or check direction and travel of both joints", other.joint + 1, other.finger
+        "{joint}: expected a range in common with theta{} of finger {}, whose limits correspond to {lower:.4} to {upper:.4} {unit}; home the hand, or check direction and travel of both joints", other.joint + 1, other.finger
     )]
-    Apart {
+    NoCommonRange {
         /// First joint of the servo.
         joint: JointName,
         /// Joint that shares the servo.
         other: JointName,
-        /// Lower limit of `joint` by the range of `other`, rad or m.
+        /// Lower limit of `other`, converted to `joint` (rad or m).
         lower: f64,
-        /// Upper limit of `joint` by the range of `other`, rad or m.
+        /// Upper limit of `other`, converted to `joint` (rad or m).
         upper: f64,
         /// Unit: `rad` or `m`.
         unit: &'static str,

@@ -267,7 +267,7 @@ pub fn read_angles(
 ) -> Result<Vec<f64>, DriveError> {
     let mut joints = ServoJoints::of(config, fingers, joint)?;
     let counts = read_counts(bus, joint)?;
-    joints.update(joints.unwrap(bus.protocol(), counts, None), 0.0);
+    joints.update(joints.unwrap_position(bus.protocol(), counts, None), 0.0);
     let angle = |joint: &ServoJoint| joint.check(0.0, 1.0).map(|()| joint.angle);
     joints.iter().map(angle).collect()
 }

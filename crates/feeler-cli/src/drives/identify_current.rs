@@ -30,7 +30,7 @@ pub fn identify(
     let rig = arguments.rig.load()?;
     let place = arguments.joint.place();
     let (joint, drive) = joint_drive(&rig, place)?;
-    check_unshared(&rig, joint, drive)?;
+    check_first_joint(&rig, joint, drive)?;
     let (unit, size) = display_unit(drive);
     let by = arguments.by;
     if !(by > 0.0 && by <= MOST) {
@@ -60,7 +60,7 @@ pub fn identify(
 }
 
 /// Checks that `joint` is the first joint of its servo, to which the calibration of the servo refers.
-fn check_unshared(
+fn check_first_joint(
     rig: &ServoRig,
     joint: JointName,
     drive: &JointDriveConfig,
@@ -70,7 +70,7 @@ fn check_unshared(
         (true, Some((first, _))) => {
             let (number, finger) = (first.joint + 1, first.finger);
             Err(format!(
-                "{joint}: expected a servo that is not shared; load theta{number} of finger {finger} alone, with --finger {finger} --joint {number}"
+                "{joint}: expected the first joint of the servo; load only theta{number} of finger {finger}, with --finger {finger} --joint {number}"
             )
             .into())
         }

@@ -11,6 +11,7 @@ use feeler_drives::setup::{joints_of_servo, named_joints, servo_range};
 use feeler_drives::{DriveError, JointName, RigClock};
 use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
 use std::io::Write;
+use std::sync::atomic::Ordering;
 
 /// Maximum angle of a jog (deg, or mm of a prismatic joint).
 pub(super) const MOST: f64 = 10.0;
@@ -29,6 +30,7 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
         .into());
     }
     check_speed(arguments.speed, drive)?;
+    check_others(&rig, arguments, (joint, drive))?;
     if arguments.rig.dry_run {
         return plan(&rig, arguments, (joint, unit), out);
     }
@@ -44,6 +46,42 @@ pub(super) fn check_speed(speed: f64, drive: &JointDriveConfig) -> Result<(), Co
             "--speed {speed}: expected a speed above 0, at most {most:.1} {unit}/s"
         )
         .into());
+    }
+    Ok(())
+}
+
+/// Checks the motion of the other joints that the servo of `drive` moves.
+fn check_others(
+    rig: &ServoRig,
+    arguments: &JogArguments,
+    (joint, drive): (JointName, &JointDriveConfig),
+) -> Result<(), CommandError> {
+    let (_, size) = display_unit(drive);
+    let others = joints_of_servo(&rig.config, joint.id).filter(|(name, _)| *name != joint);
+    for (name, other) in others {
+        let (unit, other_size) = display_unit(other);
+        let ratio = (other.ratio_to(drive) * size / other_size).abs();
+        let moves = [
+            ("--by", arguments.by.abs(), MOST, unit.to_string()),
+            (
+                "--speed",
+                arguments.speed,
+                other.jog_speed() / other_size,
+                format!("{unit}/s"),
+            ),
+        ];
+        for (option, value, most, unit) in moves {
+            // Rounding must not refuse joints that move alike.
+            if ratio * value > most * (1.0 + 1e-9) {
+                return Err(format!(
+                    "{option} {value}: expected at most {most:.1} {unit} of theta{} of finger {}, which the servo moves by {:.1} {unit}",
+                    name.joint + 1,
+                    name.finger,
+                    ratio * value
+                )
+                .into());
+            }
+        }
     }
     Ok(())
 }
@@ -132,8 +170,9 @@ fn turn(
     hand.read(&mut state)?;
     let end = state.joints[finger].position[joint];
     let (from, to) = (begin / size, end / size);
-    let in_time = left > 0.0;
+    let (in_time, interrupted) = (left > 0.0, interrupted.load(Ordering::Relaxed));
     let why = match in_time {
+        true if interrupted => "; interrupted".to_string(),
         true => String::new(),
         false => format!("; timed out after {patience:.1} s"),
     };
@@ -143,7 +182,7 @@ fn turn(
         joint + 1,
         moved_with(rig, moved)
     )?;
-    Ok(match in_time && end != begin {
+    Ok(match in_time && !interrupted && end != begin {
         true => Outcome::Done,
         false => Outcome::GivenUp,
     })

@@ -73,7 +73,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
 }
 
 /// A hand program and the facts of its run.
-pub type Created = (HandProgram, RunFacts);
+pub type ProgramAndFacts = (HandProgram, RunFacts);
 
 /// Runs the hand program that `create` creates with the facts of its run, until its task is done or `interrupted` is set.
 /// `each_step` is called after every recorded step.
@@ -81,7 +81,7 @@ pub fn run_hand(
     arguments: &Arguments,
     interrupted: &AtomicBool,
     out: &mut dyn Write,
-    create: impl FnOnce(&Experiment, RigSpeed, Arc<dyn Network>) -> Result<Created, LinkedError>,
+    create: impl FnOnce(&Experiment, RigSpeed, Arc<dyn Network>) -> Result<ProgramAndFacts, LinkedError>,
     mut each_step: impl FnMut(&RemoteLoop),
 ) -> Result<Outcome, CommandError> {
     let session = arguments

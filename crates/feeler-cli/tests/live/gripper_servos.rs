@@ -249,6 +249,14 @@ fn a_shared_servo_is_checked_homed_and_jogged() {
     // Commands may be late by a second.
     assert!((to - from - 1.0).abs() < 0.7, "{turned}");
 
+    let even = std::fs::read_to_string(folder.join("gripper.toml")).expect("the file");
+    let travel = "shared = true, travel_per_turn = 0.0";
+    assert!(even.contains(travel), "{even}");
+    let uneven = even.replace(travel, "shared = true, travel_per_turn = 0.1");
+    std::fs::write(folder.join("uneven.toml"), uneven).expect("a file");
+    let far = ["jog", "uneven.toml", "--finger=0", "--joint=1", "--by=5"];
+    drives(&far).refused(&["--by 5", "at most 10.0 mm of theta1 of finger 1"]);
+
     let identify = [
         "identify-current",
         "gripper.toml",
@@ -258,7 +266,7 @@ fn a_shared_servo_is_checked_homed_and_jogged() {
         "0,1",
     ];
     drives(&[&identify[..], &["--finger", "1"]].concat())
-        .refused(&["not shared", "--finger 0 --joint 1"]);
+        .refused(&["the first joint of the servo", "--finger 0 --joint 1"]);
 }
 
 #[test]

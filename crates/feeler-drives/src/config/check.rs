@@ -88,7 +88,7 @@ impl DrivesConfig {
                 let is_prismatic = prismatic.get(index) == Some(&true);
                 match joint.shared {
                     true => joint.check_shared(&key, checker),
-                    false => joint.check_own(&key, self.protocol, checker),
+                    false => joint.check_servo(&key, self.protocol, checker),
                 }
                 joint.check_transmission(&key, is_prismatic, checker);
                 ids.check(&format!("{key}.id"), finger, joint, checker);
@@ -98,8 +98,8 @@ impl DrivesConfig {
 }
 
 impl JointDriveConfig {
-    /// Checks a servo and its relation to its first joint, except for the transmission.
-    fn check_own(&self, key: &str, protocol: Protocol, checker: &mut Checker) {
+    /// Checks a servo and its first joint, except for the transmission.
+    fn check_servo(&self, key: &str, protocol: Protocol, checker: &mut Checker) {
         let field = |field: &str| format!("{key}.{field}");
         checker.between(
             &field("id"),

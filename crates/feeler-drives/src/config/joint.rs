@@ -16,9 +16,8 @@ const PRISMATIC_JOG_SPEED: f64 = 0.01;
 pub struct JointDriveConfig {
     /// Id on the bus.
     pub id: u8,
-    /// `true` if this is the servo of a joint of an earlier finger that moves this joint, too, such as both jaws of a
-    /// gripper with one motor. Only id and transmission of the servo are then set here; the rest, from the model on, is
-    /// set with the other joint.
+    /// `true` if the servo of an earlier finger, of the same `id`, also moves this joint, such as both jaws of a gripper with
+    /// one motor. Only `id`, `direction`, the transmission and `homing_offset` are then set here.
     #[serde(default, skip_serializing_if = "is_false")]
     pub shared: bool,
     /// Servo model, e.g. `XL330-M288`. Empty if `shared`.

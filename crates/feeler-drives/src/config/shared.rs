@@ -26,7 +26,7 @@ impl ServoIds {
             ),
             true => (
                 known.clone().any(|known| !known.2) && known.all(|known| known.1 < finger),
-                "the id of a servo of an earlier finger, as shared = true; one joint per finger may share it",
+                "the id of the servo of an earlier finger, because shared = true; at most one joint per finger may share it",
             ),
         };
         checker.require(field, id.to_string(), good, expected);
@@ -51,7 +51,7 @@ impl JointDriveConfig {
         ];
         for (field, value) in given {
             let Some(value) = value else { continue };
-            let expected = "none beside shared = true; set it where the servo is not shared";
+            let expected = "no value with shared = true; set it at the first joint of the servo";
             checker.require(&format!("{key}.{field}"), value, false, expected);
         }
     }

@@ -50,8 +50,8 @@ impl ServoJoint {
         self.drive.unit()
     }
 
-    /// Returns the limits of this joint within which `other`, moved by the same servo, is within its own.
-    pub fn limits_by(&self, other: &Self) -> JointLimits {
+    /// Returns the limits of `other`, which the same servo moves, converted to this joint.
+    pub fn converted_limits(&self, other: &Self) -> JointLimits {
         let own = |position: f64| self.drive.angle(other.drive.counts(position));
         let (lower, upper) = (own(other.limits.lower), own(other.limits.upper));
         JointLimits {

@@ -15,7 +15,7 @@ pub(crate) struct ServoJoints {
     pub first: ServoJoint,
     /// Joints of later fingers, which share the servo.
     others: Vec<ServoJoint>,
-    /// Limits of the first joint within which all joints are within their own.
+    /// Intersection of the limits of all joints, converted to the first one.
     pub limits: JointLimits,
 }
 
@@ -39,14 +39,14 @@ impl ServoJoints {
         let others: Vec<_> = joints.collect();
         let mut limits = first.limits;
         for other in &others {
-            let by = first.limits_by(other);
+            let by = first.converted_limits(other);
             limits = JointLimits {
                 lower: limits.lower.max(by.lower),
                 upper: limits.upper.min(by.upper),
                 speed: limits.speed.min(by.speed),
             };
             if limits.lower >= limits.upper {
-                return Err(DriveError::Apart {
+                return Err(DriveError::NoCommonRange {
                     joint: first.name,
                     other: other.name,
                     lower: by.lower,
@@ -77,7 +77,7 @@ impl ServoJoints {
         })
     }
 
-    /// Maximum speed of `joint` when jogged, rad/s or m/s, at which no joint of the servo exceeds its own.
+    /// Maximum speed at which `joint` may be jogged (rad/s or m/s): no joint of the servo exceeds its own maximum.
     pub fn jog_speed(&self, joint: &ServoJoint) -> f64 {
         let others = self.iter().filter(|other| other.name != joint.name);
         let limits = others.map(|other| {
@@ -89,7 +89,7 @@ impl ServoJoints {
 
     /// Unwraps a position that a servo with `protocol` reports, counts: positions of Feetech servos wrap after a turn. Chooses
     /// the equivalent position nearest to the `previous` one, or initially to the middle of the range.
-    pub fn unwrap(&self, protocol: Protocol, reported: i64, previous: Option<i64>) -> i64 {
+    pub fn unwrap_position(&self, protocol: Protocol, reported: i64, previous: Option<i64>) -> i64 {
         if protocol == Protocol::Dynamixel {
             return reported;
         }
@@ -107,12 +107,15 @@ impl ServoJoints {
         }
     }
 
-    /// Returns the velocity of the first joint (rad/s or m/s) with which no joint moves faster than by its command
-    /// `velocity`, or in another direction: that of the slowest command, or 0 if the directions differ.
+    /// Returns the velocity of the first joint (rad/s or m/s) for the slowest of the joints' commands `velocity`, or 0 if their
+    /// directions differ.
     ///
     /// # Errors
     /// If a command exceeds the speed limit of its joint.
-    pub fn slowest(&self, velocity: impl Fn(&ServoJoint) -> f64) -> Result<f64, DriveError> {
+    pub fn common_velocity(
+        &self,
+        velocity: impl Fn(&ServoJoint) -> f64,
+    ) -> Result<f64, DriveError> {
         let own = velocity(&self.first);
         self.first.check_command(own, self.first.limits.speed)?;
         self.others.iter().try_fold(own, |slowest, other| {

@@ -100,7 +100,7 @@ impl Servo {
         let reported = registers.position.in_part(begin, bytes);
         let counts = self
             .joints
-            .unwrap(self.model.protocol, reported, self.counts);
+            .unwrap_position(self.model.protocol, reported, self.counts);
         self.counts = Some(counts);
         let units = registers.velocity.in_part(begin, bytes) as f64;
         self.joints.update(counts, units * self.model.velocity_unit);
@@ -115,7 +115,7 @@ impl Servo {
         velocity: impl Fn(&ServoJoint) -> f64,
         elapsed: f64,
     ) -> Result<(), DriveError> {
-        let velocity = self.joints.slowest(velocity)?;
+        let velocity = self.joints.common_velocity(velocity)?;
         let ServoJoint { drive, angle, .. } = &self.joints.first;
         let follower = &mut self.follower;
         self.goal = follower.follow(velocity, *angle, elapsed, drive, self.model);

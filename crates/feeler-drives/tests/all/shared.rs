@@ -333,18 +333,21 @@ fn mistakes_in_ids_and_keys_are_refused() {
     );
     refused(
         &|c| c.finger[1].joint[0].model = "XL330-M288".into(),
-        &["finger[1].joint[0].model", "none beside shared = true"],
+        &["finger[1].joint[0].model", "no value with shared = true"],
     );
     refused(
         &|c| c.finger[1].joint[0].mode = DriveMode::Position,
         &[
             "finger[1].joint[0].mode = \"position\"",
-            "none beside shared = true",
+            "no value with shared = true",
         ],
     );
     refused(
         &|c| c.finger[1].joint[0].current_limit = Some(0.5),
-        &["finger[1].joint[0].current_limit = 0.5", "not shared"],
+        &[
+            "finger[1].joint[0].current_limit = 0.5",
+            "first joint of the servo",
+        ],
     );
     refused(
         &|c| c.finger[1].joint[0].direction = 2,

@@ -16,8 +16,8 @@ const SLID: f64 = 0.015;
 const WHOLE: f64 = 0.01;
 /// Minimum time between two slips of a contact (s).
 const APART: f64 = 0.1;
-/// Relative increase of a finger's force that counts as a reaction to a slip. Forces also change without a motion of the
-/// fingers, so it is the increase by the distance that the fingers have closed.
+/// Relative increase of a finger's force that counts as a reaction to a slip. It is computed from the closing distance,
+/// because forces also change without motion of the fingers.
 const MORE: f64 = 0.01;
 /// Fraction of the grip below which the pressing force of an element is neglected.
 const FAINT: f64 = 0.002;
@@ -46,7 +46,7 @@ pub struct GripMeter {
     /// `true` if the object left the fingers in the air.
     pub dropped: bool,
     fingers: Vec<FingerMeter>,
-    /// Time from each onset of slip until the fingers have closed for more force (s); `None` if they did not within a
+    /// Time from each onset of slip until the fingers have closed to press harder (s); `None` if they did not within a
     /// second.
     pub reactions: Vec<Option<f64>>,
 }
@@ -70,7 +70,7 @@ struct Onset {
     /// Time (s).
     time: f64,
     /// Distance between the fingers at which the gripper has reacted (m).
-    reaction: f64,
+    reaction_opening: f64,
 }
 
 impl GripMeter {
@@ -154,7 +154,7 @@ impl GripMeter {
             let touching = || contacts().filter(|c| pressing_of(c.element) > FAINT * pressing);
             let slips = pressing > 0.0 && touching().all(|c| now - own.at[c.element] <= WHOLE);
             if let Some(onset) = own.onset {
-                let reacted = opening < onset.reaction;
+                let reacted = opening < onset.reaction_opening;
                 if reacted || now - onset.time > 1.0 {
                     self.reactions.push(reacted.then_some(now - onset.time));
                     own.onset = None;
@@ -165,7 +165,7 @@ impl GripMeter {
                 own.onset = Some(Onset {
                     time: now,
                     // Each finger closes by half of it.
-                    reaction: opening - 2.0 * MORE * pressing / stiffness,
+                    reaction_opening: opening - 2.0 * MORE * pressing / stiffness,
                 });
             }
             if slips {

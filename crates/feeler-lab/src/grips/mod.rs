@@ -149,9 +149,9 @@ mod tests {
     use super::*;
 
     /// Start of the shake (s).
-    const SHAKEN: f64 = 4.0;
+    const SHAKE_START: f64 = 4.0;
     /// Time at which the object has been tugged and filled (s).
-    const TUGGED: f64 = 7.5;
+    const FILLED: f64 = 7.5;
 
     #[test]
     fn a_gripper_that_is_stopped_does_not_react_to_slip() {
@@ -162,9 +162,9 @@ mod tests {
             let mut session = Session::rendering(&experiment, Pictures::Sensed).expect("a session");
             let meter = watch(&session, &object);
             let mut before = None;
-            while session.control_loop().state().stamp < TUGGED {
+            while session.control_loop().state().stamp < FILLED {
                 session.step().expect("a step");
-                if before.is_none() && session.control_loop().state().stamp > SHAKEN {
+                if before.is_none() && session.control_loop().state().stamp > SHAKE_START {
                     session.stop("the test");
                     before = Some(locked(&meter).reactions.len());
                 }

@@ -26,7 +26,7 @@ pub struct GripRow {
     pub peak: [f64; 2],
     /// Distance that the object slid in the grip (m).
     pub slid: f64,
-    /// Time from each onset of slip until the fingers have closed for more force (s); infinite if they did not within a
+    /// Time from each onset of slip until the fingers have closed to press harder (s); infinite if they did not within a
     /// second.
     pub reactions: Vec<f64>,
     /// Outcome of the task.
@@ -117,7 +117,7 @@ pub struct GripScore {
     pub excess_of_sums: f64,
     /// Number of slips of a whole contact in the air.
     pub slips: usize,
-    /// Median and 95th percentile of the time from the onset of slip until the fingers have closed for more force (s); `None`
+    /// Median and 95th percentile of the time from the onset of slip until the fingers have closed to press harder (s); `None`
     /// without slips.
     pub reaction: Option<[f64; 2]>,
 }

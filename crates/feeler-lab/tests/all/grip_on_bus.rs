@@ -110,7 +110,7 @@ fn run(mode: &str, servos: usize, fault: Option<BusFault>) -> Ended {
     }
 }
 
-/// Faults of the bus, and of servo 1 or the `last` one.
+/// Faults of the bus, of servo 1, and of servo `last`.
 fn faults(last: u8) -> [BusFault; 9] {
     [
         BusFault::Silent(1),

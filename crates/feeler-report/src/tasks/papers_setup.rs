@@ -31,7 +31,7 @@ pub fn has_papers_claims(facts: &RunFacts) -> bool {
 }
 
 /// `true` if the task's claims apply to runs with these facts. No claims apply if another program moved the hand; the
-/// paper's claims require its law.
+/// paper's claims require the control law of the paper.
 pub fn claims_apply(facts: &RunFacts) -> bool {
     if facts.followed_requests() {
         return false;

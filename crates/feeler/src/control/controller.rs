@@ -313,7 +313,7 @@ impl Controller {
     ) -> Option<ExpectedEfforts> {
         let monitor = &self.fingers.get(index)?.effort_monitor;
         let efforts = state.efforts.get(index)?;
-        if !monitor.compares(efforts) {
+        if !monitor.is_comparable(efforts) {
             return None;
         }
         let felt = |finger: usize| {

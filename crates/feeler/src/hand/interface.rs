@@ -35,8 +35,8 @@ pub struct JointEfforts {
     pub uncertainty: JointVector,
 }
 
-/// A motor that moves joints of two fingers, such as both jaws of a gripper. Its [effort](JointEfforts) is that on the
-/// first joint if this one alone were loaded.
+/// A motor that moves joints of two fingers, such as both jaws of a gripper. Its [effort](JointEfforts) is stated
+/// as if only the first joint were loaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointCoupling {
     /// Finger and joint to which the effort of the motor refers.

@@ -8,8 +8,8 @@ use feeler_sim::rig::SimRig;
 use feeler_sim::world::World;
 use std::f64::consts::TAU;
 
-/// Tolerance of a time step of the world, relative to the step: timestamps are not exact multiples.
-const EARLY: f64 = 1e-6;
+/// Fraction of a step by which the world may step early, because timestamps are not exact multiples of the step.
+const STEP_TOLERANCE: f64 = 1e-6;
 
 /// Plant that emulated servos move: the fingers of a simulated world. A servo that moves several joints couples them
 /// rigidly.
@@ -105,7 +105,7 @@ impl Plant for WorldPlant {
         let rig = self.rig.clone();
         let mut world = rig.world();
         let step = world.model().step;
-        if self.failed || world.state().time + step * (1.0 - EARLY) > now {
+        if self.failed || world.state().time + step * (1.0 - STEP_TOLERANCE) > now {
             return;
         }
         for (own, goal) in self.goals.iter_mut().zip(goals) {
@@ -121,7 +121,7 @@ impl Plant for WorldPlant {
             });
             world.command(finger, velocity);
         }
-        while world.state().time + step * (1.0 - EARLY) <= now {
+        while world.state().time + step * (1.0 - STEP_TOLERANCE) <= now {
             if world.step().is_err() {
                 // The world stops here, which the monitors of the hand detect.
                 self.failed = true;

@@ -82,7 +82,7 @@ struct Means {
 
 impl EffortMonitor {
     /// Returns `true` if `efforts` are known and compared.
-    pub fn compares(&self, efforts: &JointEfforts) -> bool {
+    pub fn is_comparable(&self, efforts: &JointEfforts) -> bool {
         self.share != 0.0 && !efforts.effort.is_empty()
     }
 
