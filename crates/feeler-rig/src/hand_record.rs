@@ -49,7 +49,7 @@ impl HandRecord {
     /// Starts the recording of a hand of `experiment` with these `facts` in `folder`, flushed once per `flush_interval` (s).
     ///
     /// # Errors
-    /// If a fingertip is invalid or the file cannot be written.
+    /// If the policy of the experiment cannot be read, or the recording cannot be written.
     pub fn create(
         folder: PathBuf,
         experiment: &Experiment,

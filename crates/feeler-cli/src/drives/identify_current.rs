@@ -1,6 +1,6 @@
 //! The `feeler drives identify-current` subcommand.
 
-use super::jog::{GRACE, MOST, check_speed, joint_drive, moved_with};
+use super::jog::{GRACE, MOST, check_others, check_speed, joint_drive, moved_with};
 use super::output::NewExperiment;
 use super::{IdentifyArguments, JointArguments};
 use crate::typed::typed_lines;
@@ -8,7 +8,6 @@ use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
 use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
-
 use feeler_drives::config::{JointDriveConfig, TorqueCalibration};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::setup::{joints_of_servo, servo_range};
@@ -40,6 +39,7 @@ pub fn identify(
     if arguments.loads.iter().any(|load| !load.is_finite()) {
         return Err("--loads: expected numbers".into());
     }
+    check_others(&rig, (by, arguments.speed), (joint, drive))?;
     let file = NewExperiment::create(&arguments.output, &arguments.rig, &arguments.overwrite)?;
     if arguments.rig.dry_run {
         return plan(&rig, arguments, (joint, unit), out);

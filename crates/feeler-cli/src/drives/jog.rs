@@ -30,7 +30,7 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
         .into());
     }
     check_speed(arguments.speed, drive)?;
-    check_others(&rig, arguments, (joint, drive))?;
+    check_others(&rig, (arguments.by, arguments.speed), (joint, drive))?;
     if arguments.rig.dry_run {
         return plan(&rig, arguments, (joint, unit), out);
     }
@@ -50,10 +50,11 @@ pub(super) fn check_speed(speed: f64, drive: &JointDriveConfig) -> Result<(), Co
     Ok(())
 }
 
-/// Checks the motion of the other joints that the servo of `drive` moves.
-fn check_others(
+/// Checks the motion of the other joints that the servo of `drive` moves, if it moves `joint` by a distance at a speed, in
+/// its display unit.
+pub(super) fn check_others(
     rig: &ServoRig,
-    arguments: &JogArguments,
+    (by, speed): (f64, f64),
     (joint, drive): (JointName, &JointDriveConfig),
 ) -> Result<(), CommandError> {
     let (_, size) = display_unit(drive);
@@ -62,10 +63,10 @@ fn check_others(
         let (unit, other_size) = display_unit(other);
         let ratio = (other.ratio_to(drive) * size / other_size).abs();
         let moves = [
-            ("--by", arguments.by.abs(), MOST, unit.to_string()),
+            ("--by", by.abs(), MOST, unit.to_string()),
             (
                 "--speed",
-                arguments.speed,
+                speed,
                 other.jog_speed() / other_size,
                 format!("{unit}/s"),
             ),

@@ -138,21 +138,22 @@ impl DrivesConfig {
 
     /// Joints of later fingers that are moved by the servo of another joint.
     pub fn couplings(&self) -> Vec<JointCoupling> {
-        let joints = |(finger, drives): (usize, &FingerDrivesConfig)| {
-            let joints = drives.joint.clone().into_iter().enumerate();
-            joints.map(move |(joint, drive)| ((finger, joint), drive))
+        let joints = || {
+            let fingers = self.finger.iter().enumerate();
+            fingers.flat_map(|(finger, drives)| {
+                let joints = drives.joint.iter().enumerate();
+                joints.map(move |(joint, drive)| ((finger, joint), drive))
+            })
         };
-        let joints: Vec<_> = self.finger.iter().enumerate().flat_map(joints).collect();
-        let coupling = |(other, drive): &((usize, usize), JointDriveConfig)| {
-            let owns = |own: &JointDriveConfig| own.id == drive.id && !own.shared;
-            let (first, own) = joints.iter().find(|(_, own)| owns(own))?;
+        let shared = joints().filter(|(_, drive)| drive.shared);
+        let coupling = |(other, drive): (_, &JointDriveConfig)| {
+            let (first, own) = joints().find(|(_, own)| own.id == drive.id && !own.shared)?;
             Some(JointCoupling {
-                first: *first,
-                other: *other,
+                first,
+                other,
                 ratio: drive.ratio_to(own),
             })
         };
-        let shared = joints.iter().filter(|(_, drive)| drive.shared);
         shared.filter_map(coupling).collect()
     }
 

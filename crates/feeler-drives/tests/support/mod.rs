@@ -180,6 +180,18 @@ impl Rig {
         self.hand.command(&self.command)
     }
 
+    /// Checks that a command of `velocity` is refused once the joint angles are too old.
+    pub fn refuse_stale_command(&mut self, velocity: f64) {
+        // The transmission time of the command itself does not count.
+        self.emulator.wait(1.001 * MAX_AGE);
+        let error = self.command(velocity).unwrap_err().to_string();
+        assert!(
+            error.contains("s old: expected at most 0.0350 s"),
+            "{error}"
+        );
+        self.settle();
+    }
+
     /// Current time of the rig (s).
     pub fn now(&self) -> f64 {
         self.emulator.clock().now()

@@ -6,6 +6,7 @@ use feeler::control::task::TaskConfig;
 use feeler::control::task::grip::GripLaw;
 use feeler::hand::{FingerDescription, MAX_FINGERS};
 use feeler_drives::config::DrivesConfig;
+use feeler_drives::setup::named_joints;
 use feeler_sim::shapes::ShapeConfig;
 use feeler_sim::world::SimConfig;
 
@@ -96,14 +97,9 @@ fn check_shared_servos(task: &TaskConfig, drives: &DrivesConfig, checker: &mut C
         TaskConfig::Grip(grip) => grip.law != GripLaw::Policy,
         _ => false,
     };
-    let fingers = drives.finger.iter().enumerate();
-    let joints = fingers.flat_map(|(finger, drives)| {
-        let joints = drives.joint.iter().enumerate();
-        joints.map(move |(joint, drive)| (finger, joint, drive))
-    });
-    for (finger, joint, _) in joints.filter(|(.., drive)| drive.shared) {
+    for (name, _) in named_joints(drives).filter(|(_, drive)| drive.shared) {
         checker.require(
-            &format!("drives.finger[{finger}].joint[{joint}].shared"),
+            &format!("drives.finger[{}].joint[{}].shared", name.finger, name.joint),
             "true".to_string(),
             moves_alike,
             "false with this task, which moves the fingers independently; only task.grip with another law than \"policy\" moves them alike",

@@ -137,20 +137,20 @@ impl GripMeter {
             self.slid = self.slid.max(slid.length());
         }
         self.dropped |= self.slid > SLID || (gap > DROP && !touches);
-        self.watch_slip(model, state, object, in_air);
+        self.watch_slip(model, state, pressing, in_air);
     }
 
     /// Records the onsets of slip, and the reactions to them. A slip of a finger begins when the whole contact slips while
     /// the object is in the air.
-    fn watch_slip(&mut self, model: &WorldModel, state: &State, object: usize, in_air: bool) {
+    fn watch_slip(&mut self, model: &WorldModel, state: &State, pressing: [f64; 2], in_air: bool) {
+        let object = model.object(OBJECT);
         let now = state.time;
         let opening = opening(state);
         let fingers = state.fingers.iter().zip(&mut self.fingers);
-        for ((finger, own), model) in fingers.zip(&model.fingers) {
+        for (((finger, own), model), pressing) in fingers.zip(&model.fingers).zip(pressing) {
             own.update(now, &finger.slipped);
-            let contacts = || finger.contacts.iter().filter(|c| c.object == object);
+            let contacts = || finger.contacts.iter().filter(|c| Some(c.object) == object);
             let pressing_of = |element: usize| finger.forces[element].dot(AXIS).abs();
-            let pressing: f64 = contacts().map(|c| pressing_of(c.element)).sum();
             let touching = || contacts().filter(|c| pressing_of(c.element) > FAINT * pressing);
             let slips = pressing > 0.0 && touching().all(|c| now - own.at[c.element] <= WHOLE);
             if let Some(onset) = own.onset {
