@@ -298,7 +298,7 @@ fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
     );
     refused(
         &["drives", "home", "my.toml", "--at", "1,2"],
-        &["--at", "6 angles"],
+        &["--at", "6 positions"],
     );
     let jog = [
         "drives", "jog", "my.toml", "--finger", "0", "--joint", "1", "--by",
