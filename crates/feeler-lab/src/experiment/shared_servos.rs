@@ -75,7 +75,7 @@ impl Moved<'_> {
             .servo_velocity(rate.joint_velocity[self.name.joint])
     }
 
-    /// Distance of the fingertip from home (m) if the joint of `first` is at home.
+    /// Distance of the fingertip from home (m) if the joint of `first` has its home position.
     fn distance(&self, first: &Self) -> f64 {
         let counts = first.drive.counts(first.home[first.name.joint]);
         let joint = self.name.joint;
