@@ -61,6 +61,19 @@ pub fn servo_range(
     Ok(ServoJoints::of(config, fingers, joint)?.range_of(joint))
 }
 
+/// Returns the maximum speed at which `joint`, moved by `drive`, may be jogged (rad/s or m/s): no joint of its servo
+/// exceeds its own [`jog_speed`](JointDriveConfig::jog_speed).
+///
+/// # Errors
+/// See [`servo_range`].
+pub fn jog_speed(
+    config: &DrivesConfig,
+    fingers: &[FingerGeometry],
+    (joint, drive): (JointName, &JointDriveConfig),
+) -> Result<f64, DriveError> {
+    Ok(ServoJoints::of(config, fingers, joint)?.jog_speed(drive))
+}
+
 /// Attributes an error of the bus to the servo of `joint`, unless the port failed.
 pub(crate) fn blame(joint: JointName) -> impl Fn(BusError) -> DriveError {
     move |source| match source {

@@ -4,7 +4,7 @@ use super::HomeArguments;
 use super::output::NewExperiment;
 use crate::{CommandError, Outcome};
 use feeler::hand::FingerGeometry;
-use feeler_drives::setup::{check_model, named_joints, named_servos, read_counts};
+use feeler_drives::setup::{check_model, named_joints, read_counts};
 use feeler_lab::experiment::fingers_at_home;
 use feeler_rig::{ServoRig, display_unit};
 use std::collections::BTreeMap;
@@ -27,14 +27,17 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     }
     let mut bus = rig.open()?;
     let mut settings = Vec::new();
+    // A servo stands before the joints that share it.
     let mut positions = BTreeMap::new();
-    for (servo, drive) in named_servos(&rig.config) {
-        check_model(&mut bus, servo, drive)?;
-        positions.insert(servo.id, read_counts(&mut bus, servo)?);
-    }
     for ((joint, drive), &angle) in named_joints(&rig.config).zip(&angles) {
-        let Some(&counts) = positions.get(&joint.id) else {
-            continue;
+        let counts = match positions.get(&joint.id) {
+            Some(&counts) => counts,
+            None => {
+                check_model(&mut bus, joint, drive)?;
+                let counts = read_counts(&mut bus, joint)?;
+                positions.insert(joint.id, counts);
+                counts
+            }
         };
         let offset = angle - drive.turn(counts as f64);
         let key = format!(
@@ -80,7 +83,7 @@ fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
             "one per joint"
         };
         return Err(format!(
-            "--at: expected {joints} angles from -360 to 360 deg (mm of prismatic joints), {each}, separated by commas"
+            "--at: expected {joints} positions from -360 to 360 deg (mm of prismatic joints), {each}, separated by commas"
         )
         .into());
     }

@@ -1,6 +1,8 @@
 //! The `feeler drives identify-current` subcommand.
 
-use super::jog::{GRACE, MOST, check_others, check_speed, joint_drive, moved_with};
+use super::jog::{
+    GRACE, MOST, check_distance, check_speed, disable_torque_after, joint_drive, moved_with,
+};
 use super::output::NewExperiment;
 use super::{IdentifyArguments, JointArguments};
 use crate::typed::typed_lines;
@@ -10,6 +12,7 @@ use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
 use feeler_drives::config::{JointDriveConfig, TorqueCalibration};
 use feeler_drives::hand::DriveHand;
+use feeler_drives::registers::DriveMode;
 use feeler_drives::setup::{joints_of_servo, servo_range};
 use feeler_drives::torque::{TorqueSample, identify_torque};
 use feeler_drives::{JointName, RigClock};
@@ -26,32 +29,38 @@ pub fn identify(
     arguments: &IdentifyArguments,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let rig = arguments.rig.load()?;
+    let mut rig = arguments.rig.load()?;
     let place = arguments.joint.place();
     let (joint, drive) = joint_drive(&rig, place)?;
     check_first_joint(&rig, joint, drive)?;
+    set_velocity_mode(&mut rig, joint);
+    let (joint, drive) = joint_drive(&rig, place)?;
     let (unit, size) = display_unit(drive);
     let by = arguments.by;
     if !(by > 0.0 && by <= MOST) {
         return Err(format!("--by {by}: expected above 0, at most {MOST} {unit}").into());
     }
-    check_speed(arguments.speed, drive)?;
+    check_distance(&rig, by, (joint, drive))?;
+    check_speed(&rig, arguments.speed, (joint, drive))?;
     if arguments.loads.iter().any(|load| !load.is_finite()) {
         return Err("--loads: expected numbers".into());
     }
-    check_others(&rig, (by, arguments.speed), (joint, drive))?;
     let file = NewExperiment::create(&arguments.output, &arguments.rig, &arguments.overwrite)?;
     if arguments.rig.dry_run {
         return plan(&rig, arguments, (joint, unit), out);
     }
-    let samples = Sweeps::new(&rig, arguments, joint, size)?.measure(&arguments.loads, out)?;
+    let mut sweeps = Sweeps::new(&rig, arguments, joint, size)?;
+    let samples = sweeps.measure(&arguments.loads, out);
+    let samples = samples.map_err(|error| disable_torque_after(&mut sweeps.hand, error))?;
+    drop(sweeps);
     let Some(samples) = samples else {
         writeln!(out, "interrupted; torque is off")?;
         return Ok(Outcome::GivenUp);
     };
-    let found = identify_torque(&samples).map_err(|error| error.to_string())?;
+    let effort_unit = drive.effort_unit();
+    let found = identify_torque(&samples, effort_unit).map_err(|error| error.to_string())?;
     let setting = setting(place, &found);
-    report(&found, out)?;
+    report(&found, effort_unit, out)?;
     match file {
         Some(file) => file.write(&rig, &[setting], out)?,
         None => writeln!(out, "set {setting}, or write it with --output FILE")?,
@@ -78,6 +87,15 @@ fn check_first_joint(
     }
 }
 
+/// Sets the servo of `joint` to velocity mode for the sweeps. In the position modes the motor moves in a step per control
+/// period, and its current falls from the start of each step to its end, where it is read: the friction would be
+/// underestimated. The next run sets the servo's mode again.
+fn set_velocity_mode(rig: &mut ServoRig, joint: JointName) {
+    let drives = &mut rig.config.finger[joint.finger].joint[joint.joint];
+    drives.mode = DriveMode::Velocity;
+    drives.leash = None;
+}
+
 /// Prints the planned writes without executing them.
 fn plan(
     rig: &ServoRig,
@@ -99,10 +117,12 @@ fn plan(
     Ok(Outcome::Done)
 }
 
-fn report(found: &TorqueCalibration, out: &mut dyn Write) -> Result<(), CommandError> {
+/// Prints a calibration, with efforts in `unit`.
+fn report(found: &TorqueCalibration, unit: &str, out: &mut dyn Write) -> Result<(), CommandError> {
+    let name = if unit == "N" { "force" } else { "torque" };
     writeln!(
         out,
-        "torque constant {:.4} +- {:.4} N m/A, friction {:.4} +- {:.4} N m (standard errors; N instead of N m for a prismatic joint)",
+        "{name} constant {:.4} +- {:.4} {unit}/A, friction {:.4} +- {:.4} {unit} (standard errors)",
         found.constant, found.constant_error, found.friction, found.friction_error
     )?;
     Ok(())
@@ -131,6 +151,8 @@ struct Sweeps {
     speed: f64,
     /// Number of sweeps per direction and load.
     count: u8,
+    /// Unit of the loads.
+    unit: &'static str,
 }
 
 impl Sweeps {
@@ -150,12 +172,14 @@ impl Sweeps {
         hand.read(&mut state)?;
         let JointName { finger, joint, .. } = moved;
         let middle = state.joints[finger].position[joint];
+        let drive = &rig.config.finger[finger].joint[joint];
         let ends = [-1.0, 1.0].map(|side| middle + side * arguments.by * size);
         let (lower, upper) = servo_range(&rig.config, &rig.fingers, moved)?;
         if ends[0] < lower || ends[1] > upper {
+            let (unit, _) = display_unit(drive);
             let [lower, upper, from, to] = [lower, upper, ends[0], ends[1]].map(|end| end / size);
             return Err(format!(
-                "--by {}: expected a sweep within {lower:.1} to {upper:.1}, got {from:.1} to {to:.1}; move the joint away from its limit",
+                "--by {}: expected a sweep within {lower:.1} to {upper:.1} {unit}, got {from:.1} to {to:.1} {unit}; move the joint away from its limit",
                 arguments.by,
             )
             .into());
@@ -170,12 +194,13 @@ impl Sweeps {
             ends,
             speed: arguments.speed * size,
             count: arguments.sweeps,
+            unit: drive.effort_unit(),
         })
     }
 
     /// Measures sweeps under each of `loads`. Returns `None` if interrupted.
     fn measure(
-        mut self,
+        &mut self,
         loads: &[f64],
         out: &mut dyn Write,
     ) -> Result<Option<Vec<TorqueSample>>, CommandError> {
@@ -184,7 +209,8 @@ impl Sweeps {
         for &load in loads {
             writeln!(
                 out,
-                "apply a load of {load} against positive motion, then press Enter"
+                "apply a load of {load} {} against positive motion, then press Enter",
+                self.unit
             )?;
             out.flush()?;
             if !self.hold_until_enter(&lines)? || self.sweep(-1.0)?.is_none() {
@@ -196,7 +222,11 @@ impl Sweeps {
                         return Ok(None);
                     };
                     let sign = if direction > 0.0 { '+' } else { '-' };
-                    writeln!(out, "load {load}, direction {sign}: {current:.4} A")?;
+                    writeln!(
+                        out,
+                        "load {load} {}, direction {sign}: {current:.4} A",
+                        self.unit
+                    )?;
                     samples.push(TorqueSample {
                         load,
                         direction,

@@ -7,11 +7,11 @@ use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
 use feeler_drives::config::JointDriveConfig;
 use feeler_drives::hand::DriveHand;
-use feeler_drives::setup::{joints_of_servo, named_joints, servo_range};
+use feeler_drives::setup::{jog_speed, joints_of_servo, named_joints, servo_range};
 use feeler_drives::{DriveError, JointName, RigClock};
 use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
 use std::io::Write;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Maximum angle of a jog (deg, or mm of a prismatic joint).
 pub(super) const MOST: f64 = 10.0;
@@ -22,66 +22,62 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
     let rig = arguments.rig.load()?;
     let (joint, drive) = joint_drive(&rig, arguments.joint.place())?;
     let (unit, size) = display_unit(drive);
-    if arguments.by.is_nan() || arguments.by.abs() > MOST {
+    let by = arguments.by;
+    if by.is_nan() || by == 0.0 || by.abs() > MOST {
         return Err(format!(
-            "--by {}: expected at most {MOST} {unit} in either direction",
-            arguments.by
+            "--by {by}: expected other than 0, at most {MOST} {unit} in either direction"
         )
         .into());
     }
-    check_speed(arguments.speed, drive)?;
-    check_others(&rig, (arguments.by, arguments.speed), (joint, drive))?;
+    check_distance(&rig, by, (joint, drive))?;
+    check_speed(&rig, arguments.speed, (joint, drive))?;
     if arguments.rig.dry_run {
         return plan(&rig, arguments, (joint, unit), out);
     }
-    turn(&rig, arguments, joint, (unit, size), out)
+    move_joint(&rig, arguments, joint, (unit, size), out)
 }
 
-/// Checks a `speed`, in the display unit of the joint of `drive` per second.
-pub(super) fn check_speed(speed: f64, drive: &JointDriveConfig) -> Result<(), CommandError> {
+/// Checks a `speed` of `joint`, in its display unit per second.
+pub(super) fn check_speed(
+    rig: &ServoRig,
+    speed: f64,
+    (joint, drive): (JointName, &JointDriveConfig),
+) -> Result<(), CommandError> {
     let (unit, size) = display_unit(drive);
-    let most = drive.jog_speed() / size;
-    if !(speed > 0.0 && speed <= most) {
+    let most = jog_speed(&rig.config, &rig.fingers, (joint, drive))? / size;
+    // Rounding must not refuse the maximum.
+    if !(speed > 0.0 && speed <= most * (1.0 + 1e-9)) {
         return Err(format!(
-            "--speed {speed}: expected a speed above 0, at most {most:.1} {unit}/s"
+            "--speed {speed}: expected a speed of theta{} of finger {}{} above 0, at most {most:.1} {unit}/s",
+            joint.joint + 1,
+            joint.finger,
+            moved_with(rig, joint)
         )
         .into());
     }
     Ok(())
 }
 
-/// Checks the motion of the other joints that the servo of `drive` moves, if it moves `joint` by a distance at a speed, in
-/// its display unit.
-pub(super) fn check_others(
+/// Checks the distances of the other joints that the servo of `drive` moves, if it moves `joint` by a distance in its
+/// display unit.
+pub(super) fn check_distance(
     rig: &ServoRig,
-    (by, speed): (f64, f64),
+    by: f64,
     (joint, drive): (JointName, &JointDriveConfig),
 ) -> Result<(), CommandError> {
     let (_, size) = display_unit(drive);
     let others = joints_of_servo(&rig.config, joint.id).filter(|(name, _)| *name != joint);
     for (name, other) in others {
         let (unit, other_size) = display_unit(other);
-        let ratio = (other.ratio_to(drive) * size / other_size).abs();
-        let moves = [
-            ("--by", by.abs(), MOST, unit.to_string()),
-            (
-                "--speed",
-                speed,
-                other.jog_speed() / other_size,
-                format!("{unit}/s"),
-            ),
-        ];
-        for (option, value, most, unit) in moves {
-            // Rounding must not refuse joints that move alike.
-            if ratio * value > most * (1.0 + 1e-9) {
-                return Err(format!(
-                    "{option} {value}: expected at most {most:.1} {unit} of theta{} of finger {}, which the servo moves by {:.1} {unit}",
-                    name.joint + 1,
-                    name.finger,
-                    ratio * value
-                )
-                .into());
-            }
+        let moves = (other.ratio_to(drive) * by * size / other_size).abs();
+        // Rounding must not refuse joints that move alike.
+        if moves > MOST * (1.0 + 1e-9) {
+            return Err(format!(
+                "--by {by}: expected at most {MOST:.1} {unit} of theta{} of finger {}, which the servo moves by {moves:.1} {unit}",
+                name.joint + 1,
+                name.finger
+            )
+            .into());
         }
     }
     Ok(())
@@ -121,57 +117,43 @@ fn plan(
     let JointArguments { finger, joint } = arguments.joint;
     writeln!(
         out,
-        "would enable torque of all servos, turn theta{joint} of finger {finger}{} by {by} {unit} at {speed} {unit}/s, and disable torque; nothing was written",
+        "would enable torque of all servos, move theta{joint} of finger {finger}{} by {by} {unit} at {speed} {unit}/s, and disable torque; nothing was written",
         moved_with(rig, moved)
     )?;
     Ok(Outcome::Done)
 }
 
-/// Turns the joint, and prints its final position in `unit`, whose size is given in rad or m.
-fn turn(
+/// Moves the joint, and prints its final position in `unit`, whose size is given in rad or m.
+fn move_joint(
     rig: &ServoRig,
     arguments: &JogArguments,
     moved: JointName,
-    (unit, size): (&str, f64),
+    (unit, size): (&'static str, f64),
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let JointName { finger, joint, .. } = moved;
     let control = &rig.experiment.config.control;
     let (period, most_age) = (control.period, control.stale_periods * control.period);
+    let patience = arguments.by.abs() / arguments.speed + GRACE;
     let interrupted = watch_for_interrupt()?;
+    let jog = Jog {
+        rig,
+        joint: moved,
+        by: arguments.by,
+        speed: arguments.speed,
+        unit: (unit, size),
+        period,
+        patience,
+        interrupted: &interrupted,
+    };
     let mut hand = DriveHand::open(&rig.config, &rig.fingers, most_age, RigClock::real())?;
-    let mut state = HandState::zero(rig.fingers.len());
-    hand.read(&mut state)?;
-    let begin = state.joints[finger].position[joint];
-    let (by, speed) = (arguments.by * size, arguments.speed * size);
-    let (lower, upper) = servo_range(&rig.config, &rig.fingers, moved)?;
-    let limits = lower..=upper;
-    if !limits.contains(&(begin + by)) {
-        let (from, to) = (begin / size, (begin + by) / size);
-        let (lower, upper) = (limits.start() / size, limits.end() / size);
-        return Err(format!(
-            "--by {}: expected a target from {lower:.1} to {upper:.1} {unit}, got {to:.1} {unit} (starting at {from:.1} {unit})",
-            arguments.by
-        )
-        .into());
-    }
-    let mut pace = FixedRate::new(period)?;
-    let patience = by.abs() / speed + GRACE;
-    let mut left = patience;
-    while let Some(tick) = pace.next_tick(&interrupted) {
-        left -= period * (tick.missed + 1) as f64;
-        hand.read(&mut state)?;
-        let rest = begin + by - state.joints[finger].position[joint];
-        if rest * by <= 0.0 || left <= 0.0 {
-            break;
-        }
-        hand.jog(finger, joint, speed * by.signum())?;
-    }
-    hand.jog(finger, joint, 0.0)?;
-    hand.read(&mut state)?;
-    let end = state.joints[finger].position[joint];
+    let motion = jog.run(&mut hand);
+    let Motion {
+        begin,
+        end,
+        in_time,
+    } = motion.map_err(|error| disable_torque_after(&mut hand, error))?;
     let (from, to) = (begin / size, end / size);
-    let (in_time, interrupted) = (left > 0.0, interrupted.load(Ordering::Relaxed));
+    let interrupted = interrupted.load(Ordering::Relaxed);
     let why = match in_time {
         true if interrupted => "; interrupted".to_string(),
         true => String::new(),
@@ -179,12 +161,95 @@ fn turn(
     };
     writeln!(
         out,
-        "theta{} of finger {finger}{}: from {from:.2} to {to:.2} {unit}{why}",
-        joint + 1,
+        "theta{} of finger {}{}: from {from:.2} to {to:.2} {unit}{why}",
+        moved.joint + 1,
+        moved.finger,
         moved_with(rig, moved)
     )?;
     Ok(match in_time && !interrupted && end != begin {
         true => Outcome::Done,
         false => Outcome::GivenUp,
     })
+}
+
+/// Slow motion of a joint.
+struct Jog<'a> {
+    rig: &'a ServoRig,
+    joint: JointName,
+    /// Distance, in the joint's display unit.
+    by: f64,
+    /// Speed, in display units per second.
+    speed: f64,
+    /// Display unit, and its size in rad or m.
+    unit: (&'static str, f64),
+    /// Control period, s.
+    period: f64,
+    /// Maximum duration, s.
+    patience: f64,
+    interrupted: &'a AtomicBool,
+}
+
+/// Motion of a jogged joint.
+struct Motion {
+    /// Position before and after it, rad or m.
+    begin: f64,
+    end: f64,
+    /// `false` if the time ran out.
+    in_time: bool,
+}
+
+impl Jog<'_> {
+    /// Moves the joint until it arrives, the time runs out or an interrupt.
+    fn run(&self, hand: &mut DriveHand) -> Result<Motion, CommandError> {
+        let JointName { finger, joint, .. } = self.joint;
+        let mut state = HandState::zero(self.rig.fingers.len());
+        hand.read(&mut state)?;
+        let begin = state.joints[finger].position[joint];
+        let (_, size) = self.unit;
+        let target = begin + self.by * size;
+        self.check_target(begin, target)?;
+        let velocity = self.speed * size * self.by.signum();
+        let mut pace = FixedRate::new(self.period)?;
+        let mut left = self.patience;
+        while let Some(tick) = pace.next_tick(self.interrupted) {
+            left -= self.period * (tick.missed + 1) as f64;
+            hand.read(&mut state)?;
+            let rest = target - state.joints[finger].position[joint];
+            if rest * velocity <= 0.0 || left <= 0.0 {
+                break;
+            }
+            hand.jog(finger, joint, velocity)?;
+        }
+        hand.jog(finger, joint, 0.0)?;
+        hand.read(&mut state)?;
+        Ok(Motion {
+            begin,
+            end: state.joints[finger].position[joint],
+            in_time: left > 0.0,
+        })
+    }
+
+    /// Checks that all joints of the servo are within their limits if the joint moves from `begin` to `target` (rad or m).
+    fn check_target(&self, begin: f64, target: f64) -> Result<(), CommandError> {
+        let (lower, upper) = servo_range(&self.rig.config, &self.rig.fingers, self.joint)?;
+        if (lower..=upper).contains(&target) {
+            return Ok(());
+        }
+        let (by, (unit, size)) = (self.by, self.unit);
+        let [lower, upper, from, to] = [lower, upper, begin, target].map(|end| end / size);
+        Err(format!(
+            "--by {by}: expected a target from {lower:.1} to {upper:.1} {unit}, got {to:.1} {unit} (starting at {from:.1} {unit})"
+        )
+        .into())
+    }
+}
+
+/// Disables the torque of `hand` after an `error`, and adds to the error if this may have failed.
+pub(super) fn disable_torque_after(hand: &mut DriveHand, error: CommandError) -> CommandError {
+    match hand.disable_torque() {
+        Ok(()) => error,
+        Err(_) => {
+            format!("{error}; torque may still be enabled: switch off the servos' supply").into()
+        }
+    }
 }

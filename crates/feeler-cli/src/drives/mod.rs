@@ -135,7 +135,7 @@ pub(super) struct RigArguments {
 struct HomeArguments {
     #[command(flatten)]
     rig: RigArguments,
-    /// Present joint angles (deg; mm of prismatic joints), finger by finger [default: the task's home posture]
+    /// Present joint positions (deg; mm of prismatic joints), finger by finger [default: the task's home posture]
     #[arg(
         long,
         value_name = "DEG,DEG,...",
@@ -175,7 +175,7 @@ struct JogArguments {
     rig: RigArguments,
     #[command(flatten)]
     joint: JointArguments,
-    /// Angle to turn by (deg; mm of a prismatic joint), at most 10 in either direction.
+    /// Angle or distance to move by (deg; mm of a prismatic joint), at most 10 in either direction.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
     /// Speed (deg/s; mm/s of a prismatic joint), at most 10.

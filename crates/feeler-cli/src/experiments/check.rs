@@ -4,7 +4,7 @@ use crate::options::Json;
 use crate::{CommandError, Outcome};
 use feeler_console::print_json;
 use feeler_lab::config::{ConfigError, Experiment};
-use feeler_lab::experiment::{Session, check_rig, warnings};
+use feeler_lab::experiment::{Session, check_rig, check_shared_servos, warnings};
 use serde::Serialize;
 use std::error::Error;
 use std::io::Write;
@@ -91,6 +91,7 @@ fn look(arguments: &Arguments, checked: &mut Checked) -> Result<(), CommandError
         Some(_) => Session::new(&experiment)?.layouts().to_vec(),
         None => check_rig(&experiment)?,
     };
+    check_shared_servos(config)?;
     checked.elements = layouts.iter().map(|layout| layout.elements.len()).collect();
     Ok(())
 }

@@ -7,12 +7,11 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::emulated::Emulated;
-use crate::program::{Ended, experiment, feeler, folder, run, summary};
+use crate::emulated::{Emulated, sweep};
+use crate::program::{Ended, experiment, folder, run, summary};
 use serde_json::Value;
-use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 /// Starts an emulated bus.
 fn start_bus(folder: &Path, arguments: &[&str]) -> Emulated {
@@ -139,7 +138,7 @@ fn servos_are_found_checked_homed_and_turned() {
         .concat(),
     );
     assert!(
-        planned.contains("turn theta2 of finger 1 by 2 deg at 3 deg/s"),
+        planned.contains("move theta2 of finger 1 by 2 deg at 3 deg/s"),
         "{planned}"
     );
     // Slow enough that the joint moves by only half a degree in the second for which commands may be late (see above).
@@ -192,12 +191,13 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
     let folder = folder("drives-identify");
     with_patient_drives(&folder);
     let mut bus = start_bus(&folder, &["my.toml", "--fault", "-"]);
+    let port = bus.port.clone();
     let identify = [
         "drives",
         "identify-current",
         "my.toml",
         "--port",
-        &bus.port,
+        &port,
         "--finger",
         "0",
         "--joint",
@@ -228,31 +228,11 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
     )
     .refused(&["--by"]);
 
-    let mut command = feeler(&folder, &identify);
-    let mut child = command
-        .args(["--loads", "0,0.1,0.2"])
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .expect("the program");
-    let mut enter = child.stdin.take().expect("its input");
-    let mut said = String::new();
-    for line in BufReader::new(child.stdout.take().expect("its output")).lines() {
-        let line = line.expect("a line");
-        if let Some(rest) = line.strip_prefix("apply a load of ") {
-            let load: f64 = rest
-                .split(' ')
-                .next()
-                .and_then(|load| load.parse().ok())
-                .expect(rest);
-            // The servo turns in the other direction than the joint.
-            bus.event(&format!("load=2:{}", -load / 5.0));
-            writeln!(enter).expect("Enter");
-        }
-        said.push_str(&line);
-        said.push('\n');
-    }
-    assert!(child.wait().expect("its status").success(), "{said}");
+    let sweeps = [&identify[..], &["--loads", "0,0.1,0.2"]].concat();
+    let said = sweep(&folder, &sweeps, |load| {
+        // The servo turns in the other direction than the joint.
+        bus.event(&format!("load=2:{}", -load / 5.0));
+    });
     assert_eq!(said.matches("direction +").count(), 9, "{said}");
     let text = std::fs::read_to_string(folder.join("identified.toml")).expect("the file");
     let text: toml::Table = text.parse().expect("TOML");
@@ -318,7 +298,7 @@ fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
     );
     refused(
         &["drives", "home", "my.toml", "--at", "1,2"],
-        &["--at", "6 angles"],
+        &["--at", "6 positions"],
     );
     let jog = [
         "drives", "jog", "my.toml", "--finger", "0", "--joint", "1", "--by",

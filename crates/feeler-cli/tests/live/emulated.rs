@@ -48,3 +48,25 @@ impl Drop for Emulated {
         let _ = self.child.wait();
     }
 }
+
+/// Runs `feeler drives identify-current` with these `arguments` in `folder`, and presses Enter once `apply` has applied each
+/// load that it requests. Returns its output.
+pub fn sweep(folder: &Path, arguments: &[&str], mut apply: impl FnMut(f64)) -> String {
+    let mut command = feeler(folder, arguments);
+    let command = command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command.spawn().expect("the program");
+    let mut enter = child.stdin.take().expect("its input");
+    let mut said = String::new();
+    for line in BufReader::new(child.stdout.take().expect("its output")).lines() {
+        let line = line.expect("a line");
+        if let Some(rest) = line.strip_prefix("apply a load of ") {
+            let load = rest.split(' ').next().and_then(|load| load.parse().ok());
+            apply(load.expect(rest));
+            writeln!(enter).expect("Enter");
+        }
+        said.push_str(&line);
+        said.push('\n');
+    }
+    assert!(child.wait().expect("its status").success(), "{said}");
+    said
+}

@@ -2,10 +2,12 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::emulated::Emulated;
-use crate::program::{Ended, folder, rows, run, summary};
+use crate::emulated::{Emulated, sweep};
+use crate::program::{Ended, feeler, folder, rows, run, summary};
 use feeler_record::Recording;
 use std::path::Path;
+use std::process::Stdio;
+use std::time::Duration;
 
 /// Writes the experiment `grip` with its servos to `gripper.toml` in `folder`.
 fn gripper(folder: &Path) {
@@ -195,14 +197,9 @@ fn a_shared_servo_is_checked_homed_and_jogged() {
     let folder = folder("gripper-shared-servo");
     gripper(&folder);
     let bus = Emulated::start(&folder, &["drives", "emulate"], &["gripper.toml"]);
-    let patient = [
-        "--port",
-        &bus.port,
-        "--set=drives.bus_watchdog=2.54",
-        "--set=drives.reply_timeout=1",
-        "--set=control.stale_periods=100",
-    ];
-    let drives = |arguments: &[&str]| run(&folder, &[&["drives"], arguments, &patient].concat());
+    let port = ["--port", &bus.port];
+    let drives =
+        |arguments: &[&str]| run(&folder, &[&["drives"], arguments, &port, &PATIENT].concat());
     let checked = drives(&["check", "gripper.toml"]).done();
     let line = "servo 1 (theta1 of finger 0): XL330-M077 in position mode, ok, at ";
     assert!(
@@ -294,4 +291,209 @@ fn servos_are_compared_on_the_same_objects() {
     }
     let cap = ["compare", "cap-closing", "--drives=emulated", "-o=cap"];
     run(&folder, &cap).refused(&["--drives", "task.grip"]);
+}
+
+/// Settings of the second jaw, with the servo of the first one.
+fn second_jaw(settings: &[(&str, &str)]) -> Vec<String> {
+    let setting = |(key, value): &(&str, &str)| format!("drives.finger.1.joint.0.{key}={value}");
+    settings.iter().map(setting).collect()
+}
+
+/// Jaws without a common range, that close in opposite directions, at different speeds, or are not at home together.
+#[test]
+fn jaws_that_one_servo_cannot_move_are_refused_before_a_run() {
+    let folder = folder("gripper-jaws-refused");
+    gripper(&folder);
+    for (settings, words) in [
+        (
+            &[("homing_offset", "0.2")][..],
+            "a range in common with theta1 of finger 1",
+        ),
+        (
+            &[("direction", "-1"), ("homing_offset", "0.2")],
+            "a range in common with theta1 of finger 1",
+        ),
+        (
+            &[("direction", "-1"), ("homing_offset", "0.045")],
+            "theta1 of finger 1 does not close with it",
+        ),
+        (
+            &[("direction", "-1"), ("homing_offset", "0.02")],
+            "theta1 of finger 1 does not close with it",
+        ),
+        (
+            &[("travel_per_turn", "0.03")],
+            "theta1 of finger 1 closes at 1.50 times its speed: expected 0.80 to 1.25",
+        ),
+        (
+            &[("homing_offset", "0.0016")],
+            "0.0016 m from its home at the home of the first finger: expected at most 0.0015 m",
+        ),
+        (&[("travel_per_turn", "0.024")], "0.0020 m from its home"),
+    ] {
+        let settings = second_jaw(settings);
+        let set = settings.iter().flat_map(|setting| ["--set", setting]);
+        let check: Vec<_> = ["check", "gripper.toml"].into_iter().chain(set).collect();
+        let checked = run(&folder, &check);
+        let ran = run_with(&folder, "refused", &settings);
+        assert_eq!(
+            (checked.status, ran.status),
+            (Some(2), Some(2)),
+            "{settings:?}: {checked:?} {ran:?}"
+        );
+        assert!(checked.stderr.contains(words), "{settings:?}: {checked:?}");
+        assert_eq!(checked.stderr, ran.stderr);
+    }
+    run(&folder, &["check", "gripper.toml"]).done();
+}
+
+/// Errors of a millimetre, or of 5 % of the travel, are usual.
+#[test]
+fn jaws_with_usual_errors_of_zero_and_travel_are_moved() {
+    let folder = folder("gripper-jaws-differ");
+    gripper(&folder);
+    for (name, settings) in [
+        ("zero", ("homing_offset", "0.001")),
+        ("negative", ("homing_offset", "-0.001")),
+        ("limit", ("homing_offset", "0.0014")),
+        ("longer", ("travel_per_turn", "0.021")),
+        ("shorter", ("travel_per_turn", "0.019")),
+    ] {
+        let ended = run_with(&folder, name, &second_jaw(&[settings]));
+        assert_eq!(ended.status, Some(0), "{name}: {ended:?}");
+        assert_eq!(summary(&folder.join(name))["outcome"], "put down", "{name}");
+    }
+}
+
+/// A stalled jaw stops both: the message names the unit and the other joints of the motor.
+#[test]
+fn a_stalled_jaw_is_reported_in_metres_with_the_joints_of_its_motor() {
+    let folder = folder("gripper-jaw-stalled");
+    gripper(&folder);
+    let fault = "sim.fault=[{from=0.5, kind.servo_stall={finger=1, joint=0}}]";
+    for (name, mut settings, shared) in [("one", Vec::new(), true), ("two", two_servos(&[]), false)]
+    {
+        settings.push(fault.to_string());
+        let ended = run_with(&folder, name, &settings);
+        assert_eq!(ended.status, Some(1), "{ended:?}");
+        let words = [
+            " m within ",
+            " m was commanded: its sensor or drive has failed, or it is blocked",
+        ];
+        assert!(
+            words.iter().all(|word| ended.stdout.contains(word)),
+            "{name}: {ended:?}"
+        );
+        assert!(!ended.stdout.contains(" rad "), "{name}: {ended:?}");
+        assert_eq!(
+            ended.stdout.contains("all joints that it moves"),
+            shared,
+            "{name}: {ended:?}"
+        );
+    }
+}
+
+/// Options of a bus that is polled late on a busy computer.
+const PATIENT: [&str; 3] = [
+    "--set=drives.bus_watchdog=2.54",
+    "--set=drives.reply_timeout=1",
+    "--set=control.stale_periods=100",
+];
+
+/// Position mode moves in a step per period, at whose end the current is lower than on average. The friction of the emulated
+/// motor is 2 % of 0.215 N m: with 40 mm of travel per turn, 0.675 N.
+#[test]
+fn friction_identified_in_position_mode_passes_the_second_opinion() {
+    let folder = folder("gripper-identified");
+    gripper(&folder);
+    let text = std::fs::read_to_string(folder.join("gripper.toml")).expect("a file");
+    let text = text.replace("travel_per_turn = 0.02", "travel_per_turn = 0.04");
+    std::fs::write(folder.join("gripper.toml"), text).expect("a file");
+    let mut bus = Emulated::start(
+        &folder,
+        &["drives", "emulate"],
+        &["gripper.toml", "--fault", "-"],
+    );
+    let port = bus.port.clone();
+    let mut arguments = vec![
+        "drives",
+        "identify-current",
+        "gripper.toml",
+        "--port",
+        &port,
+    ];
+    arguments.extend([
+        "--finger=0",
+        "--joint=1",
+        "--by=4",
+        "--speed=10",
+        "--loads=0,1,2",
+    ]);
+    arguments.extend(["--output", "identified.toml"].into_iter().chain(PATIENT));
+    let said = sweep(&folder, &arguments, |load| {
+        bus.event(&format!("load=1:{}", load * 0.04 / std::f64::consts::TAU));
+    });
+    assert!(said.contains("apply a load of 2 N against"), "{said}");
+    let text = std::fs::read_to_string(folder.join("identified.toml")).expect("the file");
+    let table: toml::Table = text.parse().expect("TOML");
+    let joint = &table["drives"]["finger"][0]["joint"][0];
+    assert_eq!(joint["mode"].as_str(), Some("position"));
+    let friction = joint["torque"]["friction"].as_float().expect("a number");
+    assert!((friction / 0.675 - 1.0).abs() < 0.1, "{friction} N: {said}");
+    std::fs::write(folder.join("gripper.toml"), text).expect("a file");
+    run_with(&folder, "run", &[]).done();
+    assert_eq!(summary(&folder.join("run"))["outcome"], "put down");
+}
+
+#[test]
+fn a_jog_by_zero_is_refused_and_a_lost_bus_may_leave_torque_on() {
+    let folder = folder("gripper-jog-lost");
+    gripper(&folder);
+    let emulate = ["gripper.toml", "--log", "bus.csv"];
+    let bus = Emulated::start(&folder, &["drives", "emulate"], &emulate);
+    let port = bus.port.clone();
+    let mut jog = vec!["drives", "jog", "gripper.toml", "--port", &port];
+    jog.extend(
+        ["--finger=0", "--joint=1", "--speed=0.5"]
+            .into_iter()
+            .chain(PATIENT),
+    );
+    run(&folder, &[&jog[..], &["--by=0"]].concat()).refused(&["--by 0", "expected other than 0"]);
+    let fast = [
+        "--by=1",
+        "--set=drives.finger.1.joint.0.travel_per_turn=0.04",
+        "--speed=6",
+    ];
+    let fast: Vec<_> = jog
+        .iter()
+        .filter(|option| **option != "--speed=0.5")
+        .chain(&fast)
+        .copied()
+        .collect();
+    run(&folder, &fast).refused(&["--speed 6", "at most 5.0 mm/s"]);
+
+    let mut command = feeler(&folder, &[&jog[..], &["--by=10"]].concat());
+    let jogging = command
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut jogging = jogging.expect("the program");
+    // The jog takes 20 s. A goal after its torque was enabled shows that it has begun.
+    let log = folder.join("bus.csv.part");
+    let moves = || {
+        let log = std::fs::read_to_string(&log).unwrap_or_default();
+        let enabled = log.split_once(",write,400001");
+        enabled.is_some_and(|(_, after)| after.contains("sync_write,7400"))
+    };
+    while !moves() {
+        assert!(jogging.try_wait().expect("its status").is_none());
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    drop(bus);
+    let ended = Ended::of(jogging.wait_with_output().expect("its end"));
+    assert_eq!(ended.status, Some(2), "{ended:?}");
+    assert!(
+        ended.stderr.contains("torque may still be enabled"),
+        "{ended:?}"
+    );
 }

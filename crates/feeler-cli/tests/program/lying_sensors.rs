@@ -55,7 +55,7 @@ fn frozen_and_wrong_joint_angles_stop_the_hand() {
             let name = format!("{name}-{joint}");
             let setting = format!("sim.fault=[{{from=0.5, kind.{kind}}}]");
             let (reason, recording) = fault(&folder, &name, &["sensing=direct", &setting]);
-            let words = format!("joint {joint} of finger 1 turned by");
+            let words = format!("joint {joint} of finger 1 moved by");
             assert!(reason.contains(&words), "{name}: {reason}");
             // Within the first stroke.
             assert!(stopped_at(&recording) < 4.0, "{name}: {reason}");

@@ -135,6 +135,14 @@ impl JointDriveConfig {
         }
     }
 
+    /// Unit of the joint's effort: `N m`, or `N` for a prismatic joint.
+    pub fn effort_unit(&self) -> &'static str {
+        match self.travel_per_turn {
+            None => "N m",
+            Some(_) => "N",
+        }
+    }
+
     /// Maximum speed of the joint when jogged: 0.2 rad/s, or 0.01 m/s for a prismatic joint.
     pub fn jog_speed(&self) -> f64 {
         match self.travel_per_turn {

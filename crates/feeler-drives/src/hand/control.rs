@@ -24,7 +24,7 @@ impl DriveHand {
             return Err(DriveError::Stopped { fault });
         }
         let (index, moved) = self.find(finger, joint)?;
-        let limit = self.servos[index].joints.jog_speed(moved);
+        let limit = self.servos[index].joints.jog_speed(&moved.drive);
         moved.check_command(velocity, limit)?;
         let (moved, servo_velocity) = (moved.name, moved.drive.servo_velocity(velocity));
         let sent = self.send(|other| match other.name {

@@ -11,7 +11,7 @@ use crate::config::DrivesConfig;
 use crate::error::{DriveError, JointName};
 use crate::registers::Registers;
 use crate::servo::{Servo, ServoJoint};
-use crate::setup::blame;
+use crate::setup::{blame, set};
 use crate::torque::TorqueEstimate;
 use feeler::check::Checker;
 use feeler::hand::FingerGeometry;
@@ -160,6 +160,19 @@ impl DriveHand {
         self.servos
             .iter()
             .map(|servo| (servo.name(), servo.current))
+    }
+
+    /// Switches the torque of all servos off, and verifies it. The hand must not be commanded afterwards.
+    ///
+    /// # Errors
+    /// If a servo does not confirm it, for example because the bus has failed: its torque may still be on.
+    pub fn disable_torque(&mut self) -> Result<(), DriveError> {
+        self.power_off();
+        let torque = Registers::of(self.config.protocol).torque;
+        for servo in &self.servos {
+            set(&mut self.bus, servo.name(), ("Torque Enable", torque), 0)?;
+        }
+        Ok(())
     }
 
     fn power_off(&mut self) {

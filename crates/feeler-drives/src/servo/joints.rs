@@ -1,7 +1,7 @@
 //! All joints that one servo moves, such as both jaws of a gripper.
 
 use super::joint::{JointLimits, ServoJoint};
-use crate::config::DrivesConfig;
+use crate::config::{DrivesConfig, JointDriveConfig};
 use crate::error::{DriveError, JointName};
 use crate::packet::Protocol;
 use crate::registers::COUNTS_PER_TURN;
@@ -77,14 +77,14 @@ impl ServoJoints {
         })
     }
 
-    /// Maximum speed at which `joint` may be jogged (rad/s or m/s): no joint of the servo exceeds its own maximum.
-    pub fn jog_speed(&self, joint: &ServoJoint) -> f64 {
-        let others = self.iter().filter(|other| other.name != joint.name);
-        let limits = others.map(|other| {
-            let ratio = joint.drive.ratio_to(&other.drive);
-            (ratio * other.drive.jog_speed()).abs()
-        });
-        limits.fold(joint.drive.jog_speed(), f64::min)
+    /// Maximum speed at which the joint of `drive` may be jogged (rad/s or m/s): no joint of the servo exceeds its own
+    /// maximum.
+    pub fn jog_speed(&self, drive: &JointDriveConfig) -> f64 {
+        let limit = |joint: &ServoJoint| {
+            let ratio = drive.ratio_to(&joint.drive);
+            (ratio * joint.drive.jog_speed()).abs()
+        };
+        self.iter().map(limit).fold(f64::INFINITY, f64::min)
     }
 
     /// Unwraps a position that a servo with `protocol` reports, counts: positions of Feetech servos wrap after a turn. Chooses

@@ -42,39 +42,47 @@ pub enum IdentifyError {
     NotFinite,
     /// The current does not rise with the load.
     #[error(
-        "the current changes by {slope:.3} A per N m of load: expected a rise; check that the loads act against positive motion, and the joint's direction"
+        "the current changes by {slope:.3} A per {unit} of load: expected a rise; check that the loads act against positive motion, and the joint's direction"
     )]
     NoRise {
-        /// Change of the current per load, A/(N m).
+        /// Change of the current per load, A/(N m) or A/N.
         slope: f64,
+        /// Unit of the loads.
+        unit: &'static str,
     },
     /// The torque constant is imprecise.
     #[error(
-        "the torque constant {constant:.4} N m/A has a standard error of {error:.4}: expected at most a tenth; use greater loads, or more sweeps"
+        "the torque constant {constant:.4} {unit}/A has a standard error of {error:.4}: expected at most a tenth; use greater loads, or more sweeps"
     )]
     Imprecise {
-        /// Torque constant, N m/A.
+        /// Torque constant, N m/A or N/A.
         constant: f64,
-        /// Standard error, N m/A.
+        /// Standard error, N m/A or N/A.
         error: f64,
+        /// Unit of the loads.
+        unit: &'static str,
     },
     /// The fitted friction is negative.
     #[error(
-        "the friction is {friction:.4} N m with a standard error of {error:.4}: expected none below zero; sweep slower, and check that the joint moves freely"
+        "the friction is {friction:.4} {unit} with a standard error of {error:.4}: expected none below zero; sweep slower, and check that the joint moves freely"
     )]
     NegativeFriction {
-        /// Friction, N m.
+        /// Friction, N m or N.
         friction: f64,
-        /// Standard error, N m.
+        /// Standard error, N m or N.
         error: f64,
+        /// Unit of the loads.
+        unit: &'static str,
     },
     /// The sweeps contradict each other.
     #[error(
-        "the sweep with a load of {load:.4} N m required {current:.4} A: the fit to all sweeps predicts {expected:.4} A (tolerance: {MOST_DEVIATION} of the current for the range of loads); check this load, and that nothing else touches the finger"
+        "the sweep with a load of {load:.4} {unit} required {current:.4} A: the fit to all sweeps predicts {expected:.4} A (tolerance: {MOST_DEVIATION} of the current for the range of loads); check this load, and that nothing else touches the finger"
     )]
     Contradiction {
-        /// Load of the sweep, N m.
+        /// Load of the sweep, N m or N.
         load: f64,
+        /// Unit of the loads.
+        unit: &'static str,
         /// Current of the sweep, A.
         current: f64,
         /// Current predicted by the fit, A.
@@ -82,11 +90,15 @@ pub enum IdentifyError {
     },
 }
 
-/// Fits the torque constant and the friction to sweeps, by least squares.
+/// Fits the torque constant and the friction to sweeps, by least squares. `unit` is that of the loads, for messages: `N m`,
+/// or `N` of a prismatic joint.
 ///
 /// # Errors
 /// If the sweeps do not determine them, or contradict each other.
-pub fn identify_torque(samples: &[TorqueSample]) -> Result<TorqueCalibration, IdentifyError> {
+pub fn identify_torque(
+    samples: &[TorqueSample],
+    unit: &'static str,
+) -> Result<TorqueCalibration, IdentifyError> {
     check(samples)?;
     let row = |sample: &TorqueSample| DVec3::new(sample.load, sample.direction, 1.0);
     let mut normal = DMat3::ZERO;
@@ -105,7 +117,7 @@ pub fn identify_torque(samples: &[TorqueSample]) -> Result<TorqueCalibration, Id
     let covariance = inverse * variance;
     let (slope, offset) = (fit.x, fit.y);
     if slope.is_nan() || slope <= 0.0 {
-        return Err(IdentifyError::NoRise { slope });
+        return Err(IdentifyError::NoRise { slope, unit });
     }
     let loads = samples.iter().map(|sample| sample.load);
     let range = loads.clone().fold(f64::MIN, f64::max) - loads.fold(f64::MAX, f64::min);
@@ -113,6 +125,7 @@ pub fn identify_torque(samples: &[TorqueSample]) -> Result<TorqueCalibration, Id
     if let Some(sample) = samples.iter().find(|sample| residual(sample).abs() > most) {
         return Err(IdentifyError::Contradiction {
             load: sample.load,
+            unit,
             current: sample.current,
             expected: fit.dot(row(sample)),
         });
@@ -123,14 +136,18 @@ pub fn identify_torque(samples: &[TorqueSample]) -> Result<TorqueCalibration, Id
         return Err(IdentifyError::Imprecise {
             constant,
             error: constant_error,
+            unit,
         });
     }
     let friction = offset / slope;
     let gradient = DVec3::new(-offset / slope.powi(2), 1.0 / slope, 0.0);
     let friction_error = gradient.dot(covariance * gradient).max(0.0).sqrt();
     if friction < -3.0 * friction_error {
-        let error = friction_error;
-        return Err(IdentifyError::NegativeFriction { friction, error });
+        return Err(IdentifyError::NegativeFriction {
+            friction,
+            error: friction_error,
+            unit,
+        });
     }
     Ok(TorqueCalibration {
         constant,
@@ -189,7 +206,7 @@ mod tests {
 
     #[test]
     fn exact_sweeps_are_identified_exactly() {
-        let found = identify_torque(&sweeps(0.0, 1)).unwrap();
+        let found = identify_torque(&sweeps(0.0, 1), "N m").unwrap();
         assert!((found.constant - 0.36).abs() < 1e-9, "{found:?}");
         assert!((found.friction - 0.012).abs() < 1e-9, "{found:?}");
         assert!(found.constant_error < 1e-6 && found.friction_error < 1e-6);
@@ -200,7 +217,7 @@ mod tests {
     fn standard_errors_are_those_of_repeated_identifications() {
         let (mut constants, mut frictions) = (0, 0);
         for seed in 0..400 {
-            let found = identify_torque(&sweeps(0.004, seed)).unwrap();
+            let found = identify_torque(&sweeps(0.004, seed), "N m").unwrap();
             constants += u32::from((found.constant - 0.36).abs() < 2.0 * found.constant_error);
             frictions += u32::from((found.friction - 0.012).abs() < 2.0 * found.friction_error);
         }
@@ -216,7 +233,7 @@ mod tests {
     #[test]
     fn sweeps_that_contradict_each_other_are_refused() {
         let refused = |samples: &[TorqueSample], word: &str| {
-            let error = identify_torque(samples).unwrap_err().to_string();
+            let error = identify_torque(samples, "N").unwrap_err().to_string();
             assert!(error.contains(word), "no {word:?} in {error}");
         };
         let good = sweeps(0.002, 1);
@@ -231,7 +248,7 @@ mod tests {
         for sample in &mut reversed {
             sample.load = -sample.load;
         }
-        refused(&reversed, "expected a rise");
+        refused(&reversed, "A per N of load: expected a rise");
         let mut touched = good.clone();
         touched[9].current += 0.1;
         refused(&touched, "nothing else touches");
@@ -252,7 +269,7 @@ mod tests {
             sample.current += if (index / 2) % 2 == 0 { 0.02 } else { -0.02 };
         }
         let small: Vec<_> = samples.iter().copied().filter(|s| s.load < 0.05).collect();
-        let error = identify_torque(&small).unwrap_err();
+        let error = identify_torque(&small, "N m").unwrap_err();
         assert!(
             matches!(
                 error,

@@ -12,6 +12,7 @@ pub mod rigs;
 pub mod run_folder;
 pub(crate) mod sample_and_hold;
 pub(crate) mod sensors;
+pub(crate) mod shared_servos;
 pub mod slip_bench;
 pub(crate) mod solids;
 pub(crate) mod specimen;
@@ -22,6 +23,7 @@ pub(crate) mod warnings;
 #[cfg(target_os = "linux")]
 pub use crate::experiment::rigs::bus_rig::BusRig;
 pub use crate::experiment::rigs::sim_rig_server::SimRigServer;
+pub use shared_servos::{SharedServoError, check_shared_servos};
 pub use truth::Truth;
 pub use warnings::warnings;
 
@@ -44,6 +46,7 @@ use feeler::hand::{
 use feeler::pace::{Schedule, Tick};
 use feeler::sensor::fingertip::{ElementLayout, Fingertip, FingertipError};
 use feeler::sensor::forces::SensingError;
+use feeler_drives::DriveError;
 use feeler_record::{RecordError, RunFacts};
 use feeler_sim::error::SimError;
 use feeler_sim::optics::OpticsError;
@@ -121,6 +124,12 @@ pub enum ExperimentError {
     /// The system cannot create a thread for a sensor.
     #[error("failed to create a sensor thread: {0}")]
     Thread(io::Error),
+    /// The servos cannot be used.
+    #[error("drives: {0}")]
+    Drives(#[from] DriveError),
+    /// A servo cannot move joints of two fingers together.
+    #[error("drives: {0}")]
+    SharedServo(#[from] SharedServoError),
     /// The control law cannot be built.
     #[error("control.law: {0}")]
     Law(#[from] LawError),

@@ -294,7 +294,9 @@ impl Controller {
             let (geometry, stamp) = (&finger.geometry, state.stamp);
             let command = finger.admitted.joint_velocity;
             let joint_monitor = &mut finger.joint_monitor;
-            joint_monitor.watch(index, geometry, stamp, joints.position, command)?;
+            joint_monitor
+                .watch(index, geometry, stamp, joints.position, command)
+                .map_err(|reason| reason.with_couplings(&self.couplings))?;
             finger.stuck_sensor.watch(index, touch)?;
             if let (Some(felt), Some(efforts)) = (felt, state.efforts.get(index)) {
                 let monitor = &mut finger.effort_monitor;

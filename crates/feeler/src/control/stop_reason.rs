@@ -1,5 +1,7 @@
 //! Reasons for stopping a hand before its task is done.
 
+use crate::hand::JointCoupling;
+
 /// Reason for stopping a hand before its task was done.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StopReason {
@@ -98,55 +100,64 @@ pub enum StopReason {
     },
     /// A joint angle is far outside the joint's limits.
     #[error(
-        "joint {joint} of finger {finger} reads {angle:.4} rad, far beyond its limits of {lower:.4} to {upper:.4} rad"
+        "joint {joint} of finger {finger} reads {angle:.4} {unit}, far beyond its limits of {lower:.4} to {upper:.4} {unit}"
     )]
     JointOutOfRange {
         /// Index of the finger.
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Measured angle (rad).
+        /// Measured position (rad or m).
         angle: f64,
-        /// Lower limit (rad).
+        /// Lower limit (rad or m).
         lower: f64,
-        /// Upper limit (rad).
+        /// Upper limit (rad or m).
         upper: f64,
+        /// Unit of the joint's position: `rad` or `m`.
+        unit: &'static str,
     },
     /// A joint angle changed faster than the joint can move.
     #[error(
-        "joint {joint} of finger {finger} jumped by {turn:.4} rad within {elapsed:.4} s (limit {limit:.4} rad)"
+        "joint {joint} of finger {finger} jumped by {turn:.4} {unit} within {elapsed:.4} s (limit {limit:.4} {unit})"
     )]
     JointJump {
         /// Index of the finger.
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Change of the joint angle between two readings (rad).
+        /// Change of the joint's position between two readings (rad or m).
         turn: f64,
         /// Time between the readings (s).
         elapsed: f64,
-        /// Maximum possible change (rad).
+        /// Maximum possible change (rad or m).
         limit: f64,
+        /// Unit of the joint's position: `rad` or `m`.
+        unit: &'static str,
     },
     /// A joint did not follow its commands.
     #[error(
-        "joint {joint} of finger {finger} turned by {turn:.4} rad within {time:.2} s where {expected:.4} rad was commanded: its sensor or drive has failed, or it is blocked"
+        "joint {joint} of finger {finger} moved by {turn:.4} {unit} within {time:.2} s where {expected:.4} {unit} was commanded: its sensor or drive has failed, or it is blocked{}",
+        deviation(*shared)
     )]
     JointDeviation {
         /// Index of the finger.
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Measured rotation (rad).
+        /// Measured motion (rad or m).
         turn: f64,
-        /// Closest rotation that agrees with the commands and the drives' lag (rad).
+        /// Closest motion that agrees with the commands and the drives' lag (rad or m).
         expected: f64,
-        /// Duration of the rotation (s).
+        /// Duration of the motion (s).
         time: f64,
+        /// Unit of the joint's position: `rad` or `m`.
+        unit: &'static str,
+        /// `true` if the motor also moves joints of other fingers.
+        shared: bool,
     },
     /// The effort of a joint's motor contradicts the forces measured by the fingertip.
     #[error(
-        "the motor of joint {joint} of finger {finger} exerts {effort:.3}, but {} require {felt:.3} (N m or N, tolerance {tolerance:.3}): {}",
+        "the motor of joint {joint} of finger {finger} exerts {effort:.3}, but {} require {felt:.3} {unit} (tolerance {tolerance:.3} {unit}): {}",
         mismatch(*shared).0,
         mismatch(*shared).1
     )]
@@ -155,12 +166,14 @@ pub enum StopReason {
         finger: usize,
         /// Index of the joint; theta1 is joint 0.
         joint: usize,
-        /// Mean effort of the motor (N·m, or N for a prismatic joint).
+        /// Mean effort of the motor (N m or N).
         effort: f64,
-        /// Mean effort that would balance the measured forces (N·m, or N for a prismatic joint).
+        /// Mean effort that would balance the measured forces (N m or N).
         felt: f64,
-        /// Maximum allowed difference (N·m or N).
+        /// Maximum allowed difference (N m or N).
         tolerance: f64,
+        /// Unit of the efforts: `N m`, or `N` of a prismatic joint.
+        unit: &'static str,
         /// `true` if the motor also moves joints of other fingers, whose forces are then included.
         shared: bool,
     },
@@ -209,6 +222,16 @@ pub enum StopReason {
     },
 }
 
+/// Names a further cause of a deviation if the motor also moves joints of other fingers.
+fn deviation(shared: bool) -> &'static str {
+    match shared {
+        false => "",
+        true => {
+            "; its motor follows the slowest of all joints that it moves, and stands still if they are commanded in opposite directions: check their homing offsets, directions and travel with `feeler check`"
+        }
+    }
+}
+
 /// Names the forces that contradict a motor, and possible causes. The motor moves one finger, or several if `shared`.
 fn mismatch(shared: bool) -> (&'static str, &'static str) {
     match shared {
@@ -224,6 +247,22 @@ fn mismatch(shared: bool) -> (&'static str, &'static str) {
 }
 
 impl StopReason {
+    /// Marks the deviation of a joint whose motor also moves a joint of another finger, according to `couplings`.
+    pub(super) fn with_couplings(mut self, couplings: &[JointCoupling]) -> Self {
+        if let Self::JointDeviation {
+            finger,
+            joint,
+            shared,
+            ..
+        } = &mut self
+        {
+            let own = (*finger, *joint);
+            let mut moved = couplings.iter().flat_map(|both| [both.first, both.other]);
+            *shared = moved.any(|moved| moved == own);
+        }
+        self
+    }
+
     /// Returns whether stale data caused the stop.
     pub fn is_stale(&self) -> bool {
         matches!(self, Self::StaleForces { .. } | Self::StaleState { .. })

@@ -124,6 +124,30 @@ impl FingerGeometry {
         }
     }
 
+    /// Unit of the position of `joint`: `rad`, or `m` if it is prismatic.
+    pub fn joint_unit(&self, joint: usize) -> &'static str {
+        match self.slides(joint) {
+            false => "rad",
+            true => "m",
+        }
+    }
+
+    /// Unit of the effort on `joint`: `N m`, or `N` if it is prismatic.
+    pub fn effort_unit(&self, joint: usize) -> &'static str {
+        match self.slides(joint) {
+            false => "N m",
+            true => "N",
+        }
+    }
+
+    /// Returns `true` if `joint` is prismatic. Does not allocate.
+    fn slides(&self, joint: usize) -> bool {
+        match &self.kinematics {
+            Kinematics::ThreeJoints(_) => false,
+            Kinematics::Chain(chain) => chain.is_prismatic().get(joint) == Some(&true),
+        }
+    }
+
     /// Scale of each joint for tolerances: change of its position that corresponds to 1 rad. 1 rad, or the reach (m)
     /// for a prismatic joint.
     #[inline]

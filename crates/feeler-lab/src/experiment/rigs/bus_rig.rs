@@ -3,7 +3,7 @@
 use super::sim_rig_server::ServedSensing;
 use crate::config::Experiment;
 use crate::experiment::rigs::driven::{DrivenError, drives, emulated_bus};
-use crate::experiment::{fingers_at_home, rig};
+use crate::experiment::{check_shared_servos, fingers_at_home, rig};
 use feeler::hand::{FingerGeometry, Hand, HandCommand, HandError, HandState, JointVector};
 use feeler::sensor::forces::SensorError;
 use feeler_drives::config::DrivesConfig;
@@ -41,6 +41,7 @@ impl BusRig {
     ) -> Result<Self, DrivenError> {
         let control = &experiment.config.control;
         let (fingers, _) = fingers_at_home(&experiment.config)?;
+        check_shared_servos(&experiment.config)?;
         let mut rig = Self {
             config,
             stop: HandCommand::stop(fingers.len()),

@@ -3,7 +3,7 @@
 
 use super::world_plant::WorldPlant;
 use crate::config::Experiment;
-use crate::experiment::{ExperimentError, Session, fingers_at_home};
+use crate::experiment::{ExperimentError, Session, check_shared_servos, fingers_at_home};
 use feeler::hand::FingerDescription;
 use feeler::pace::{FixedRate, PaceError, Schedule};
 use feeler_drives::bus::Bus;
@@ -103,6 +103,7 @@ impl EmulatedBus {
 pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, EmulatedBus), DrivenError> {
     let config = &experiment.config;
     let (fingers, _) = fingers_at_home(config)?;
+    check_shared_servos(config)?;
     let session = Session::new(experiment)?;
     let drives = drives(experiment);
     let how = (drives.protocol, drives.baud_rate);

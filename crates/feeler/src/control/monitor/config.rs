@@ -52,6 +52,9 @@ impl Default for MonitorConfig {
 }
 
 impl MonitorConfig {
+    /// Relative tolerance of a joint's measured motion, for the scale error of a velocity loop.
+    pub const SCALE_TOLERANCE: f64 = 0.2;
+
     /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let ranges = [

@@ -81,11 +81,6 @@ struct Means {
 }
 
 impl EffortMonitor {
-    /// Returns `true` if `efforts` are known and compared.
-    pub fn is_comparable(&self, efforts: &JointEfforts) -> bool {
-        self.share != 0.0 && !efforts.effort.is_empty()
-    }
-
     /// Creates a monitor. A gap of more than `most_gap` (s) between two readings restarts the comparison.
     pub fn new(config: MonitorConfig, most_gap: f64) -> Self {
         Self {
@@ -93,6 +88,11 @@ impl EffortMonitor {
             most_gap,
             means: None,
         }
+    }
+
+    /// Returns `true` if `efforts` are known and compared.
+    pub fn is_comparable(&self, efforts: &JointEfforts) -> bool {
+        self.share != 0.0 && !efforts.effort.is_empty()
     }
 
     /// Discards all readings.
@@ -141,6 +141,7 @@ impl EffortMonitor {
                     effort,
                     felt: own,
                     tolerance,
+                    unit: geometry.effort_unit(joint),
                     shared: felt.shared[joint],
                 });
             }

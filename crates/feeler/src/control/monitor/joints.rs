@@ -20,8 +20,6 @@ use std::f64::consts::FRAC_PI_2;
 const WINDOW: f64 = 2.0;
 /// Number of blocks into which the window and the preceding lag are divided.
 const BLOCKS: usize = 64;
-/// Relative tolerance of the measured rotation, for the scale error of a velocity loop.
-const SCALE_TOLERANCE: f64 = 0.2;
 /// Tolerance for encoder noise between two readings (rad, or times the reach for a prismatic joint), in addition to the
 /// maximum rotation.
 const JUMP_NOISE: f64 = 0.005;
@@ -131,6 +129,7 @@ impl JointMonitor {
                 angle: position[joint],
                 lower: lower[joint],
                 upper: upper[joint],
+                unit: geometry.joint_unit(joint),
             });
         }
         let reading = Reading { stamp, position };
@@ -153,7 +152,7 @@ impl JointMonitor {
             return Ok(());
         }
         self.end_block(reading);
-        self.check_deviation(finger, reading, scale)
+        self.check_deviation(finger, geometry, reading)
     }
 
     /// Restarts the comparison with `reading`.
@@ -218,6 +217,7 @@ impl JointMonitor {
                     turn,
                     elapsed,
                     limit,
+                    unit: geometry.joint_unit(joint),
                 });
             }
         }
@@ -229,8 +229,8 @@ impl JointMonitor {
     fn check_deviation(
         &self,
         finger: usize,
+        geometry: &FingerGeometry,
         now: Reading,
-        joint_scale: JointVector,
     ) -> Result<(), StopReason> {
         let lag = (self.config.servo_lag / self.block_length())
             .ceil()
@@ -244,7 +244,8 @@ impl JointMonitor {
         let turn = now.position - since.position;
         let nearest = turn.clamp(low, high);
         let scale = low.abs().max(high.abs());
-        let most = SCALE_TOLERANCE * scale + self.config.joint_deviation * joint_scale;
+        let most = MonitorConfig::SCALE_TOLERANCE * scale
+            + self.config.joint_deviation * geometry.joint_scale();
         match first_above((turn - nearest).abs(), most) {
             None => Ok(()),
             Some(joint) => Err(StopReason::JointDeviation {
@@ -253,6 +254,8 @@ impl JointMonitor {
                 turn: turn[joint],
                 expected: nearest[joint],
                 time: now.stamp - since.begin,
+                unit: geometry.joint_unit(joint),
+                shared: false,
             }),
         }
     }

@@ -56,7 +56,9 @@ pub struct GripConfig {
     /// Speed of release (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// Maximum distance from home for a finger to count as returned (m).
+    /// Maximum distance from home for a finger to count as returned (m). Fingers that one motor moves are not at home at
+    /// the same time: by default, the distance by which each has already retracted from the object. A backlash and an
+    /// error of the zero of 1 mm are usual for parallel grippers, and the posture after the release affects nothing else.
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
     /// Start position and closing direction of each finger.
@@ -94,7 +96,7 @@ defaults! {
     carried_load: f64 = 0.06,
     lost_time: f64 = 0.2,
     return_speed: f64 = 0.04,
-    home_tolerance: f64 = 0.0005,
+    home_tolerance: f64 = super::super::CLEARANCE,
     known_friction: f64 = 0.5,
     known_utilisation: f64 = 0.7,
     fixed_force: f64 = 20.0,
