@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// Time constant of the present load (s).
 const PRESENT: f64 = 0.02;
-/// Duration after closing during which the shear still changes (s).
+/// Duration after closing during which the shear still decreases (s).
 const SETTLING: f64 = 0.2;
 /// Time constant of the shear that remains from closing, before the object is lifted (s).
 const CLOSING: f64 = 0.3;
@@ -46,20 +46,38 @@ impl CarriedLoad {
     /// Updates the estimate with the mean `shear` of the fingers (N, in W) at time `stamp` (s), `interval` (s) after
     /// the previous one.
     pub fn update(&mut self, shear: DVec3, stamp: f64, interval: f64) {
-        let start = *self.start.get_or_insert(stamp);
+        let Some(start) = self.start else {
+            (self.start, self.present, self.closing) = (Some(stamp), shear, shear);
+            return;
+        };
         self.present += part(interval, PRESENT) * (shear - self.present);
-        if stamp - start < SETTLING {
-            (self.present, self.closing) = (shear, shear);
-        } else if self.since.is_none() {
-            self.closing += part(interval, CLOSING) * (shear - self.closing);
-            if self.present.distance(self.closing) > self.threshold {
-                self.since = Some(stamp);
-                // The shear from closing may point anywhere.
-                self.mean = self.present - self.closing;
+        if self.since.is_some() {
+            if !self.is_below(0.5) {
+                self.mean += part(interval, MEAN) * (self.present - self.mean);
             }
-        } else if !self.is_below(0.5) {
-            self.mean += part(interval, MEAN) * (self.present - self.mean);
+            return;
         }
+        let change = if stamp - start < SETTLING {
+            // The finger that touched first pushes the object, until the other one presses as hard: only an increase is
+            // a load.
+            if self.present.length() < self.closing.length() {
+                self.closing = self.present;
+            }
+            self.present.length() - self.closing.length()
+        } else {
+            self.closing += part(interval, CLOSING) * (shear - self.closing);
+            self.present.distance(self.closing)
+        };
+        if change > self.threshold {
+            self.since = Some(stamp);
+            // The shear from closing may point anywhere.
+            self.mean = self.present - self.closing;
+        }
+    }
+
+    /// Returns `true` from the first load on.
+    pub fn is_carried(&self) -> bool {
+        self.since.is_some()
     }
 
     /// Returns `true` if the object has been carried for longer than `duration` (s) at time `stamp` (s).
@@ -103,5 +121,21 @@ mod tests {
         assert!(load.is_below(0.1) && !load.is_supported());
         apply(&mut load, -0.2, unloaded, 20);
         assert!(load.is_supported());
+    }
+
+    #[test]
+    fn an_object_lifted_at_once_is_carried_and_decreasing_shear_is_no_load() {
+        let mut settling = CarriedLoad::new(0.06);
+        for step in 0..20 {
+            let shear = 0.8 - 0.03 * f64::from(step);
+            apply(&mut settling, shear, 0.01 * f64::from(step), 1);
+        }
+        assert!(!settling.is_carried());
+        let mut lifted = CarriedLoad::new(0.06);
+        for step in 0..20 {
+            let shear = 0.1 + 0.03 * f64::from(step);
+            apply(&mut lifted, shear, 0.01 * f64::from(step), 1);
+        }
+        assert!(lifted.is_carried());
     }
 }

@@ -186,8 +186,8 @@ impl Grip {
         }
         self.carried
             .update(self.load_vector(), hand.stamp, interval);
-        // Shear against the carried load does not count: something supports the object from below.
-        let load = if self.carried.is_supported() {
+        // Neither shear from closing nor shear against the carried load counts: something supports the object from below.
+        let load = if !self.carried.is_carried() || self.carried.is_supported() {
             0.0
         } else {
             match self.carried.is_for(INCLINED_FROM, hand.stamp) {
