@@ -29,14 +29,14 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     let mut settings = Vec::new();
     let mut positions = BTreeMap::new();
     for (servo, drive) in named_servos(&rig.config) {
-        check_model(&mut bus, servo, drive)?;
-        positions.insert(servo.id, read_counts(&mut bus, servo)?);
+        let model = check_model(&mut bus, servo, drive)?;
+        positions.insert(servo.id, (model, read_counts(&mut bus, servo)?));
     }
     for ((joint, drive), &angle) in named_joints(&rig.config).zip(&angles) {
-        let Some(&counts) = positions.get(&joint.id) else {
+        let Some(&(model, counts)) = positions.get(&joint.id) else {
             continue;
         };
-        let offset = angle - drive.turn(counts as f64);
+        let offset = angle - drive.turn(model.to_angle(counts as f64));
         let key = format!(
             "drives.finger.{}.joint.{}.homing_offset",
             joint.finger, joint.joint

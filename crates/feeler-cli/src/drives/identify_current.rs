@@ -10,6 +10,7 @@ use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
 use feeler_drives::config::{JointDriveConfig, TorqueCalibration};
 use feeler_drives::hand::DriveHand;
+use feeler_drives::registers::Registers;
 use feeler_drives::setup::{joints_of_servo, servo_range};
 use feeler_drives::torque::{TorqueSample, identify_torque};
 use feeler_drives::{JointName, RigClock};
@@ -30,6 +31,13 @@ pub fn identify(
     let place = arguments.joint.place();
     let (joint, drive) = joint_drive(&rig, place)?;
     check_first_joint(&rig, joint, drive)?;
+    if Registers::of(rig.config.protocol).current.is_none() {
+        return Err(format!(
+            "{joint}: expected a servo that measures its current; {} servos measure none",
+            rig.config.protocol.name()
+        )
+        .into());
+    }
     let (unit, size) = display_unit(drive);
     let by = arguments.by;
     if !(by > 0.0 && by <= MOST) {
