@@ -216,21 +216,22 @@ def feetech_scs(path, baud_rate):
     said["model"] = good(packets.ping(port, 2))
     read = sdk.GroupSyncRead(port, packets, 56, 8)
     write = sdk.GroupSyncWrite(port, packets, 42, 2)
-    goals = {1: 300, 2: 700, 3: 512}
+    goals = {1: 442, 2: 582, 3: 512}
     for servo, goal in goals.items():
         assert read.addParam(servo)
         good(packets.write1ByteTxRx(port, servo, 48, 0))
-        good(packets.write2ByteTxRx(port, servo, 9, 280))
-        good(packets.write2ByteTxRx(port, servo, 11, 720))
+        good(packets.write2ByteTxRx(port, servo, 9, 430))
+        good(packets.write2ByteTxRx(port, servo, 11, 594))
         good(packets.write1ByteTxRx(port, servo, 48, 1))
         # The EEPROM is locked.
         good(packets.write2ByteTxRx(port, servo, 9, 0))
-        good(packets.write2ByteTxRx(port, servo, 46, 100))
-        good(packets.write1ByteTxRx(port, servo, 40, 1))
+        good(packets.write2ByteTxRx(port, servo, 46, 40))
         assert write.addParam(servo, [sdk.SCS_LOBYTE(goal), sdk.SCS_HIBYTE(goal)])
     said["sync_read"] = read.txRxPacket() == sdk.COMM_SUCCESS
     said["limits"] = [good(packets.read2ByteTxRx(port, 1, address)) for address in (9, 11)]
     assert write.txPacket() == sdk.COMM_SUCCESS
+    for servo in goals:
+        good(packets.write1ByteTxRx(port, servo, 40, 1))
     time.sleep(0.3)
     velocities = [good(packets.read2ByteTxRx(port, servo, 58)) for servo in goals]
     said["velocities"] = [sdk.SCS_TOHOST(velocity, 15) for velocity in velocities]
@@ -240,7 +241,7 @@ def feetech_scs(path, baud_rate):
     # Beyond its limit, the servo stays at the limit.
     good(packets.write2ByteTxRx(port, 1, 42, 100))
     time.sleep(1.0)
-    said["limited"] = abs(good(packets.read2ByteTxRx(port, 1, 56)) - 280) < 4
+    said["limited"] = abs(good(packets.read2ByteTxRx(port, 1, 56)) - 430) < 4
     said["voltage"] = good(packets.read1ByteTxRx(port, 1, 62))
     said["temperature"] = good(packets.read1ByteTxRx(port, 1, 63))
     port.closePort()

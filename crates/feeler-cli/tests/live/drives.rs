@@ -604,7 +604,7 @@ fn vendor_sdks_work_with_the_emulated_servos() {
 
     let said = master(&folder, "feetech-scs").expect("the SDKs are installed");
     let expected = serde_json::json!({
-        "model": 1284, "sync_read": false, "limits": [280, 720], "velocities": [-100, 100, 0], "arrived": true,
+        "model": 1284, "sync_read": false, "limits": [430, 594], "velocities": [-40, 40, 0], "arrived": true,
         "limited": true, "voltage": 50, "temperature": 25,
     });
     assert_eq!(said, expected);

@@ -201,7 +201,7 @@ fn an_overloaded_scs_servo_gets_no_goal_until_the_restart() {
     };
     let before = goals(&rig);
     for _ in 0..20 {
-        assert!(rig.period(0.0).is_err());
+        assert!(rig.command(0.0).is_err());
         rig.emulator.wait(PERIOD);
     }
     assert_eq!(goals(&rig), before);

@@ -110,7 +110,7 @@ fn servos_are_read_one_after_the_other_and_stamped_by_the_first() {
     assert!(log.iter().all(|entry| entry.instruction != SYNC_READ));
 }
 
-/// A delay of 1 ms per response suffices for three servos but not for nine.
+/// Delays of up to 2 ms are allowed for three servos but not for nine: the limit is a quarter of 35 ms for all of them.
 #[test]
 fn the_delay_of_the_adapter_counts_once_per_servo() {
     for (fingers, good) in [(1, true), (3, false)] {
