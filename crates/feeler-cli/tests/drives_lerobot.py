@@ -2,6 +2,7 @@
 
     drives_lerobot.py dynamixel PORT
     drives_lerobot.py feetech PORT
+    drives_lerobot.py feetech-scs PORT
 
 The motor classes do not use PyTorch, but LeRobot's package imports it. If it is missing, an empty module takes its place.
 """
@@ -37,12 +38,19 @@ def near(values, expected, within):
     return all(abs(values[name] - expected[name]) <= within for name in expected)
 
 
+def read_positions(bus):
+    """Reads the normalised positions, one by one where LeRobot has no sync read (Feetech's protocol 1)."""
+    if getattr(bus, "protocol_version", 0) == 1:
+        return {name: bus.read("Present_Position", name, num_retry=TRIES) for name in bus.motors}
+    return bus.sync_read("Present_Position", num_retry=TRIES)
+
+
 def arrive(bus, goals):
     """Waits until the motors have arrived at `goals`, normalised from -100 to 100."""
     bus.sync_write("Goal_Position", goals)
     for _ in range(100):
         time.sleep(0.05)
-        positions = bus.sync_read("Present_Position", num_retry=TRIES)
+        positions = read_positions(bus)
         if near(positions, goals, 2.0):
             return True
     print(positions, file=sys.stderr)
@@ -121,6 +129,35 @@ def feetech(port):
     return said
 
 
+def feetech_scs(port):
+    from lerobot.motors.feetech import FeetechMotorsBus
+
+    bus = FeetechMotorsBus(port, motors("scs0009"), protocol_version=1)
+    bus.connect()
+    said = {"found": {motor.id: bus.ping(name, TRIES) for name, motor in bus.motors.items()}}
+    bus.disable_torque(num_retry=TRIES)
+    bus.configure_motors()
+    # There is no homing offset: only the ranges are limited.
+    calibration = {
+        name: MotorCalibration(
+            id=motor.id, drive_mode=0, homing_offset=0, range_min=256, range_max=767
+        )
+        for name, motor in bus.motors.items()
+    }
+    bus.write_calibration(calibration)
+    said["calibrated"] = bus.is_calibrated
+    said["read_calibration"] = bus.read_calibration() == calibration
+    said["middle"] = near(read_positions(bus), {name: 0.0 for name in bus.motors}, 1.0)
+    bus.enable_torque(num_retry=TRIES)
+    said["position"] = arrive(bus, {"m1": 50.0, "m2": -50.0, "m3": 0.0})
+    said["returned"] = arrive(bus, {"m1": -90.0, "m2": 90.0, "m3": 10.0})
+    for register in ("Status", "Present_Temperature", "Present_Voltage", "Lock"):
+        said[register] = bus.read(register, "m1", normalize=False, num_retry=TRIES)
+    bus.disconnect()
+    return said
+
+
 if __name__ == "__main__":
     kind, port = sys.argv[1:]
-    print(json.dumps({"dynamixel": dynamixel, "feetech": feetech}[kind](port)))
+    kinds = {"dynamixel": dynamixel, "feetech": feetech, "feetech-scs": feetech_scs}
+    print(json.dumps(kinds[kind](port)))

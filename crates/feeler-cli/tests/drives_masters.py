@@ -2,6 +2,7 @@
 
     drives_masters.py dynamixel PORT BAUD_RATE
     drives_masters.py feetech PORT BAUD_RATE
+    drives_masters.py feetech-scs PORT BAUD_RATE
 """
 
 import json
@@ -203,6 +204,51 @@ def feetech(path, baud_rate):
     return said
 
 
+def feetech_scs(path, baud_rate):
+    """Servos of the SCS series, whose words are big-endian."""
+    import scservo_sdk as sdk
+
+    port = sdk.PortHandler(path)
+    packets = patient(sdk, sdk.PacketHandler(1))
+    assert port.openPort() and port.setBaudRate(baud_rate)
+    good, said = checked(sdk, packets), {}
+
+    said["model"] = good(packets.ping(port, 2))
+    read = sdk.GroupSyncRead(port, packets, 56, 8)
+    write = sdk.GroupSyncWrite(port, packets, 42, 2)
+    goals = {1: 442, 2: 582, 3: 512}
+    for servo, goal in goals.items():
+        assert read.addParam(servo)
+        good(packets.write1ByteTxRx(port, servo, 48, 0))
+        good(packets.write2ByteTxRx(port, servo, 9, 430))
+        good(packets.write2ByteTxRx(port, servo, 11, 594))
+        good(packets.write1ByteTxRx(port, servo, 48, 1))
+        # The EEPROM is locked.
+        good(packets.write2ByteTxRx(port, servo, 9, 0))
+        good(packets.write2ByteTxRx(port, servo, 46, 40))
+        assert write.addParam(servo, [sdk.SCS_LOBYTE(goal), sdk.SCS_HIBYTE(goal)])
+    said["sync_read"] = read.txRxPacket() == sdk.COMM_SUCCESS
+    said["limits"] = [good(packets.read2ByteTxRx(port, 1, address)) for address in (9, 11)]
+    assert write.txPacket() == sdk.COMM_SUCCESS
+    for servo in goals:
+        good(packets.write1ByteTxRx(port, servo, 40, 1))
+    time.sleep(0.3)
+    velocities = [good(packets.read2ByteTxRx(port, servo, 58)) for servo in goals]
+    said["velocities"] = [sdk.SCS_TOHOST(velocity, 15) for velocity in velocities]
+    time.sleep(3.0)
+    positions = [good(packets.read2ByteTxRx(port, servo, 56)) for servo in goals]
+    said["arrived"] = all(abs(at - goal) < 4 for at, goal in zip(positions, goals.values()))
+    # Beyond its limit, the servo stays at the limit.
+    good(packets.write2ByteTxRx(port, 1, 42, 100))
+    time.sleep(1.0)
+    said["limited"] = abs(good(packets.read2ByteTxRx(port, 1, 56)) - 430) < 4
+    said["voltage"] = good(packets.read1ByteTxRx(port, 1, 62))
+    said["temperature"] = good(packets.read1ByteTxRx(port, 1, 63))
+    port.closePort()
+    return said
+
+
 if __name__ == "__main__":
     kind, path, baud_rate = sys.argv[1:]
-    print(json.dumps({"dynamixel": dynamixel, "feetech": feetech}[kind](path, int(baud_rate))))
+    masters = {"dynamixel": dynamixel, "feetech": feetech, "feetech-scs": feetech_scs}
+    print(json.dumps(masters[kind](path, int(baud_rate))))

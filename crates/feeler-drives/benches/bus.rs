@@ -18,8 +18,8 @@ fn print_periods() {
     use feeler_drives::packet::instruction::SYNC_WRITE;
     use feeler_drives::registers::DriveMode;
 
-    for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
-        for mode in DriveMode::ALL {
+    for protocol in Protocol::ALL {
+        for &mode in DriveMode::supported(protocol) {
             for fast in [true, false] {
                 let mut config = support::config_in(protocol, mode, 2);
                 config.baud_rate = 1_000_000;
@@ -40,10 +40,14 @@ fn print_periods() {
                         .max(end - begin)
                         .max(rig.now() - support::PERIOD - begin);
                 }
+                let read = match (protocol.has_sync_read(), fast) {
+                    (false, _) => "one by one",
+                    (true, true) => "fast sync read",
+                    (true, false) => "plain sync read",
+                };
                 println!(
-                    "{protocol:?}, {}, {} sync read: six servos at 1 Mbaud, at most {:.3} ms per period",
+                    "{protocol:?}, {}, {read}: six servos at 1 Mbaud, at most {:.3} ms per period",
                     mode.name(),
-                    if fast { "fast" } else { "plain" },
                     longest * 1e3,
                 );
             }

@@ -188,7 +188,7 @@ pub enum DriveError {
     },
     /// The range of a joint crosses the position at which its servo wraps.
     #[error(
-        "{joint} has positions from {lower} to {upper} counts: expected a range within one turn (0 to 4095) for position mode; set the servo's position correction (address {address}) so that the middle of the range is near 2048, then home the hand again"
+        "{joint} has positions from {lower} to {upper} counts: expected a range within one turn (0 to 4095) for position mode; set the servo's position correction (address 31) so that the middle of the range is near 2048, then home the hand again"
     )]
     Wraps {
         /// The joint.
@@ -197,7 +197,33 @@ pub enum DriveError {
         lower: i64,
         /// Maximum position of the joint's range, counts.
         upper: i64,
-        /// Address of the position correction in the servo's control table.
+    },
+    /// The range of a joint is beyond the positions of its servo.
+    #[error(
+        "{joint} has positions from {lower} to {upper} counts: expected a range within 0 to {most}; turn its horn on the shaft so that the middle of the range is near {}, then home the hand again", (most + 1) / 2
+    )]
+    OutOfReach {
+        /// The joint.
+        joint: JointName,
+        /// Minimum position of the joint's range, counts.
+        lower: i64,
+        /// Maximum position of the joint's range, counts.
+        upper: i64,
+        /// Maximum position of the servo, counts.
+        most: i64,
+    },
+    /// A servo does not allow the current of current-limited position mode.
+    #[error(
+        "{joint} allows at most {actual:.3} A (Current Limit, address {address}): expected at least {expected:.3} A by torque_limit or current_limit; lower torque_limit, or set current_limit, which is written to the servo"
+    )]
+    CurrentLimit {
+        /// The joint.
+        joint: JointName,
+        /// Required current, A.
+        expected: f64,
+        /// Maximum current of the servo, A.
+        actual: f64,
+        /// Address of the maximum current in the servo's control table.
         address: u16,
     },
     /// The adapter delivers responses late.

@@ -5,7 +5,7 @@ use crate::error::{DriveError, JointName};
 use crate::packet::Protocol;
 use crate::registers::{Register, Registers};
 
-/// Fault bit of an overload, of both protocols.
+/// Fault bit of an overload, of all protocols.
 pub(crate) const OVERLOAD: u8 = 0x20;
 
 /// Health reported by a servo.
@@ -96,7 +96,7 @@ impl Health {
     }
 }
 
-/// Names of the fault bits of the X series (address 70) and of STS servos (address 65).
+/// Names of the fault bits of the X series (address 70) and of Feetech servos (address 65).
 pub(crate) fn fault_names(protocol: Protocol, bits: u8) -> String {
     let names = match protocol {
         Protocol::Dynamixel => [
@@ -109,7 +109,7 @@ pub(crate) fn fault_names(protocol: Protocol, bits: u8) -> String {
             "",
             "",
         ],
-        Protocol::Feetech => [
+        Protocol::Feetech | Protocol::FeetechScs => [
             "input voltage",
             "encoder",
             "overheating",

@@ -5,7 +5,7 @@ use crate::config::{DrivesConfig, JointDriveConfig};
 use crate::error::{DriveError, JointName};
 use crate::health::Health;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, DriveMode, Model, Register, Registers};
+use crate::registers::{DriveMode, Model, Register, Registers};
 use crate::servo::{ServoJoint, ServoJoints};
 use feeler::hand::FingerGeometry;
 
@@ -14,8 +14,6 @@ use feeler::hand::FingerGeometry;
 pub struct Change {
     /// Joint of the servo.
     pub joint: JointName,
-    /// Name of the value in the manufacturer's table.
-    pub name: &'static str,
     /// Register to be changed.
     pub register: Register,
     /// Current value.
@@ -148,29 +146,25 @@ pub fn changes(
     let model = check_model(bus, joint, drive)?;
     let protocol = bus.protocol();
     let registers = Registers::of(protocol);
-    let mode = drive.mode.number(protocol);
-    let mut wanted = vec![
-        ("Return Delay Time", registers.return_delay, 0),
-        ("Operating Mode", registers.mode, mode),
-    ];
-    if protocol == Protocol::Feetech && drive.mode != DriveMode::Velocity {
-        // The servo itself keeps a corrupted goal, which its weak checksum may not detect, within the joint's range.
-        let (lower, upper) = counts_within_turn(joint, drive, range)?;
-        let [minimum, maximum] = registers.position_limits;
-        wanted.push(("Min Position Limit", minimum, lower));
-        wanted.push(("Max Position Limit", maximum, upper));
+    let mut wanted = vec![(registers.return_delay, 0)];
+    if let Some(mode) = registers.mode {
+        wanted.push((mode, drive.mode().number(protocol)));
     }
-    if let Some(limit) = drive.current_limit {
+    if protocol != Protocol::Dynamixel && drive.mode() != DriveMode::Velocity {
+        // The servo itself keeps a corrupted goal, which its weak checksum may not detect, within the joint's range.
+        let limits = position_limits(model, joint, drive, range)?;
+        wanted.extend(registers.position_limits.into_iter().zip(limits));
+    }
+    if let (Some(limit), Some(register)) = (drive.current_limit, registers.current_limit) {
         let counts = (limit / model.current_unit).round() as i64;
-        wanted.push(("Current Limit", registers.current_limit, counts));
+        wanted.push((register, counts));
     }
     let mut changes = Vec::new();
-    for (name, register, to) in wanted {
+    for (register, to) in wanted {
         let from = read(bus, joint, register)?;
         if from != to {
             changes.push(Change {
                 joint,
-                name,
                 register,
                 from,
                 to,
@@ -180,23 +174,34 @@ pub fn changes(
     Ok(changes)
 }
 
-/// Returns the `range` of the servo of `joint` in counts, if it is within one turn.
-fn counts_within_turn(
+/// Returns the `range` of the servo of `joint` in counts, if the servo of `model` can hold every position in it.
+fn position_limits(
+    model: &Model,
     joint: JointName,
     drive: &JointDriveConfig,
     range: (f64, f64),
-) -> Result<(i64, i64), DriveError> {
-    let ends = [range.0, range.1].map(|end| drive.counts(end).round() as i64);
-    let (lower, upper) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
-    let turn = COUNTS_PER_TURN as i64;
-    let turns = lower.div_euclid(turn);
-    match upper.div_euclid(turn) == turns {
-        true => Ok((lower - turns * turn, upper - turns * turn)),
+) -> Result<[i64; 2], DriveError> {
+    let counts = |end: f64| model.to_counts(drive.horn(end)).round() as i64;
+    let (begin, end) = (counts(range.0), counts(range.1));
+    let (lower, upper) = (begin.min(end), begin.max(end));
+    let turn = model.counts;
+    let turns = match model.protocol {
+        Protocol::FeetechScs => 0,
+        _ => lower.div_euclid(turn),
+    };
+    let limits = [lower, upper].map(|end| end - turns * turn);
+    match limits.iter().all(|end| (0..turn).contains(end)) {
+        true => Ok(limits),
+        false if model.protocol == Protocol::FeetechScs => Err(DriveError::OutOfReach {
+            joint,
+            lower,
+            upper,
+            most: turn - 1,
+        }),
         false => Err(DriveError::Wraps {
             joint,
             lower,
             upper,
-            address: Registers::of(Protocol::Feetech).homing_offset.address,
         }),
     }
 }
@@ -215,7 +220,7 @@ pub(crate) fn apply(bus: &mut Bus, changes: &[Change]) -> Result<(), DriveError>
         bus.write(id, lock, 0).map_err(blame(first.joint))?;
     }
     for change in changes {
-        set(bus, change.joint, (change.name, change.register), change.to)?;
+        set(bus, change.joint, change.register, change.to)?;
     }
     if let Some(lock) = lock {
         bus.write(id, lock, 1).map_err(blame(first.joint))?;
@@ -227,7 +232,7 @@ pub(crate) fn apply(bus: &mut Bus, changes: &[Change]) -> Result<(), DriveError>
 pub(crate) fn set(
     bus: &mut Bus,
     joint: JointName,
-    (name, register): (&'static str, Register),
+    register: Register,
     expected: i64,
 ) -> Result<(), DriveError> {
     bus.write(joint.id, register, expected)
@@ -237,7 +242,7 @@ pub(crate) fn set(
         true => Ok(()),
         false => Err(DriveError::NotSet {
             joint,
-            name,
+            name: register.name,
             expected,
             actual,
         }),
@@ -271,7 +276,7 @@ pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
 /// checks that they are within their limits.
 ///
 /// # Errors
-/// If the servo does not answer correctly, or if one of its joints is beyond its limits.
+/// If the servo does not answer correctly, if it is of another model, or if one of its joints is beyond its limits.
 pub fn read_angles(
     bus: &mut Bus,
     config: &DrivesConfig,
@@ -279,8 +284,9 @@ pub fn read_angles(
     joint: JointName,
 ) -> Result<Vec<f64>, DriveError> {
     let mut joints = ServoJoints::of(config, fingers, joint)?;
-    let counts = read_counts(bus, joint)?;
-    joints.update(joints.unwrap_position(bus.protocol(), counts, None), 0.0);
+    let model = check_model(bus, joint, &joints.first.drive)?;
+    let counts = joints.unwrap_position(model, read_counts(bus, joint)?, None);
+    joints.update(model.to_angle(counts as f64), 0.0);
     let angle = |joint: &ServoJoint| joint.check(0.0, 1.0).map(|()| joint.angle);
     joints.iter().map(angle).collect()
 }

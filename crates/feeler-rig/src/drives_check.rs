@@ -124,10 +124,10 @@ pub fn check_servos(
 
 /// Describes the mode of `drive`; empty for velocity mode.
 fn mode(drive: &JointDriveConfig) -> String {
-    match (drive.mode, drive.most_current()) {
+    match (drive.mode(), drive.most_current()) {
         (DriveMode::Velocity, _) => String::new(),
         (DriveMode::CurrentLimitedPosition, Some(most)) => {
-            format!(" in {} mode, at most {most} A", drive.mode.name())
+            format!(" in {} mode, at most {most} A", drive.mode().name())
         }
         (mode, _) => format!(" in {} mode", mode.name()),
     }
@@ -195,12 +195,11 @@ pub fn print_changes(changes: &[Change], out: &mut dyn Write) -> Result<(), Comm
     for change in changes {
         let Change {
             joint,
-            name,
             register,
             from,
             to,
         } = change;
-        let address = register.address;
+        let (name, address) = (register.name, register.address);
         writeln!(
             out,
             "{joint}: a run will set {name} (address {address}) from {from} to {to}"

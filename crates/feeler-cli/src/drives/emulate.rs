@@ -67,10 +67,11 @@ fn said(emulator: &Emulator) -> Vec<LogEntry> {
     emulator.servos().take_log()
 }
 
-/// Emulates unloaded servos, each in the middle of its first turn.
+/// Emulates unloaded servos, each in the middle of its first turn or of its range.
 fn alone(arguments: &EmulateArguments, clock: RigClock) -> Result<Emulator, CommandError> {
     let (protocol, name) = match arguments.protocol.as_str() {
         "feetech" => (Protocol::Feetech, "STS3215"),
+        "feetech-scs" => (Protocol::FeetechScs, "SCS0009"),
         _ => (Protocol::Dynamixel, "XL330-M288"),
     };
     let model = MODELS.iter().find(|model| model.name == name);
@@ -84,6 +85,6 @@ fn alone(arguments: &EmulateArguments, clock: RigClock) -> Result<Emulator, Comm
         noise: 0.3,
         seed: 0,
     };
-    let plant = LagPlant::new(LAG, &vec![std::f64::consts::PI; arguments.servos.into()]);
+    let plant = LagPlant::new(LAG, &vec![model.range / 2.0; arguments.servos.into()]);
     Ok(Emulator::start(&config, Box::new(plant), clock)?)
 }

@@ -30,16 +30,16 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     // A servo stands before the joints that share it.
     let mut positions = BTreeMap::new();
     for ((joint, drive), &angle) in named_joints(&rig.config).zip(&angles) {
-        let counts = match positions.get(&joint.id) {
-            Some(&counts) => counts,
+        let (model, counts) = match positions.get(&joint.id) {
+            Some(&read) => read,
             None => {
-                check_model(&mut bus, joint, drive)?;
-                let counts = read_counts(&mut bus, joint)?;
-                positions.insert(joint.id, counts);
-                counts
+                let model = check_model(&mut bus, joint, drive)?;
+                let read = (model, read_counts(&mut bus, joint)?);
+                positions.insert(joint.id, read);
+                read
             }
         };
-        let offset = angle - drive.turn(counts as f64);
+        let offset = angle - drive.turn(model.to_angle(counts as f64));
         let key = format!(
             "drives.finger.{}.joint.{}.homing_offset",
             joint.finger, joint.joint

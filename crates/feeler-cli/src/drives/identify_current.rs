@@ -12,7 +12,7 @@ use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
 use feeler_drives::config::{JointDriveConfig, TorqueCalibration};
 use feeler_drives::hand::DriveHand;
-use feeler_drives::registers::DriveMode;
+use feeler_drives::registers::{DriveMode, Registers};
 use feeler_drives::setup::{joints_of_servo, servo_range};
 use feeler_drives::torque::{TorqueSample, identify_torque};
 use feeler_drives::{JointName, RigClock};
@@ -33,6 +33,13 @@ pub fn identify(
     let place = arguments.joint.place();
     let (joint, drive) = joint_drive(&rig, place)?;
     check_first_joint(&rig, joint, drive)?;
+    if Registers::of(rig.config.protocol).current.is_none() {
+        return Err(format!(
+            "{joint}: expected a servo that measures its current; {} servos measure none",
+            rig.config.protocol.name()
+        )
+        .into());
+    }
     set_velocity_mode(&mut rig, joint);
     let (joint, drive) = joint_drive(&rig, place)?;
     let (unit, size) = display_unit(drive);
@@ -92,7 +99,7 @@ fn check_first_joint(
 /// underestimated. The next run sets the servo's mode again.
 fn set_velocity_mode(rig: &mut ServoRig, joint: JointName) {
     let drives = &mut rig.config.finger[joint.finger].joint[joint.joint];
-    drives.mode = DriveMode::Velocity;
+    drives.mode = Some(DriveMode::Velocity);
     drives.leash = None;
 }
 

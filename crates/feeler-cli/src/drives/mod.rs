@@ -26,6 +26,9 @@ use crate::options::{Overwrite, parse_between};
 use std::io::Write;
 use std::path::PathBuf;
 
+/// Protocols of servos, as in an experiment file.
+const PROTOCOLS: [&str; 3] = ["dynamixel", "feetech", "feetech-scs"];
+
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
     #[command(subcommand)]
@@ -61,7 +64,7 @@ struct EmulateArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
     /// Protocol of the servos if no experiment is given.
-    #[arg(long, value_parser = ["dynamixel", "feetech"], conflicts_with = "experiment", default_value = "dynamixel")]
+    #[arg(long, value_parser = PROTOCOLS, conflicts_with = "experiment", default_value = "dynamixel")]
     protocol: String,
     /// Number of servos (ids from 1) if no experiment is given.
     #[arg(long, value_name = "COUNT", conflicts_with = "experiment", default_value = "6", value_parser = clap::value_parser!(u8).range(1..=15))]
@@ -93,7 +96,7 @@ struct EmulateArguments {
 struct ScanArguments {
     /// Serial port, e.g. /dev/ttyUSB0.
     port: String,
-    /// Protocol of the servos [default: try both]
+    /// Protocol of the servos, where `feetech` also finds those of `feetech-scs` [default: try both]
     #[arg(long, value_parser = ["dynamixel", "feetech"])]
     protocol: Option<String>,
     /// Baud rate of the bus [default: try the usual ones]

@@ -8,6 +8,11 @@ use feeler_drives::packet::Protocol;
 use feeler_drives::registers::{Model, Registers};
 use std::io::Write;
 
+/// Part (address, length) of a Feetech servo's control table with the flag of big-endian values and the major version of
+/// the model.
+const BYTE_ORDER_AND_VERSION: (u16, usize) = (2, 2);
+/// Major version of models of the SCS series.
+const SCS_VERSION: u8 = 5;
 /// Baud rates that servos commonly use.
 const USUAL: [u32; 5] = [1_000_000, 57_600, 4_000_000, 2_000_000, 115_200];
 
@@ -65,7 +70,7 @@ fn scan_at(
             }
         };
         match said {
-            Ok(said) => writeln!(out, "{rate} Bd, {protocol:?}: servo {id}, {said}")?,
+            Ok((protocol, said)) => writeln!(out, "{rate} Bd, {protocol:?}: servo {id}, {said}")?,
             Err(error @ (BusError::Port(_) | BusError::Echo)) => return Err(error.into()),
             // Something is connected: two servos with one id, another baud rate or a loose cable.
             Err(error) => writeln!(out, "{rate} Bd, {protocol:?}: {error}")?,
@@ -74,16 +79,28 @@ fn scan_at(
     Ok(found)
 }
 
-/// Describes a servo by its registers.
-fn describe(bus: &mut Bus, id: u8) -> Result<String, BusError> {
-    let registers = Registers::of(bus.protocol());
+/// Describes a servo by its registers. Also returns its protocol: packets do not tell the two series of Feetech apart.
+fn describe(bus: &mut Bus, id: u8) -> Result<(Protocol, String), BusError> {
+    let protocol = match bus.protocol() {
+        Protocol::Feetech if is_scs(bus, id)? => Protocol::FeetechScs,
+        protocol => protocol,
+    };
+    let registers = Registers::of(protocol);
     let number = bus.read(id, registers.model)?;
-    let model = Model::numbered(bus.protocol(), number);
+    let model = Model::numbered(protocol, number);
     let name = model.map_or("unknown model", |model| model.name);
     let volts = bus.read(id, registers.voltage)? as f64 / 10.0;
     let degrees = bus.read(id, registers.temperature)?;
     let position = bus.read(id, registers.position)?;
-    Ok(format!(
+    let said = format!(
         "{name} (model {number}), {volts:.1} V, {degrees} degrees Celsius, at {position} counts"
-    ))
+    );
+    Ok((protocol, said))
+}
+
+/// Returns `true` if a Feetech servo is of the SCS series, by its flag of big-endian values, or, as older ones have none,
+/// by the major version of its model.
+fn is_scs(bus: &mut Bus, id: u8) -> Result<bool, BusError> {
+    let bytes = bus.read_bytes(id, BYTE_ORDER_AND_VERSION)?;
+    Ok(matches!(bytes, [1, ..] | [_, SCS_VERSION]))
 }

@@ -156,6 +156,115 @@ fn servos_are_found_checked_homed_and_turned() {
     assert!((to - from + 2.0).abs() < 0.7, "{turned}");
 }
 
+/// Servos of the SCS series for the reference experiment's fingers. The middles of their ranges are at 512 counts, 150 degrees
+/// of the horn.
+const SCS_DRIVES: &str = r#"
+[drives]
+port = "/dev/not-there"
+protocol = "feetech-scs"
+bus_watchdog = 0.0
+reply_timeout = 1.0  # s, as the computer may be busy
+
+[[drives.finger]]
+joint = [
+  { id = 1, model = "SCS0009", mode = "position", homing_offset = -2.618 },
+  { id = 2, model = "SCS0009", mode = "position", homing_offset = -1.833 },
+  { id = 3, model = "SCS0009", mode = "position", homing_offset = -3.927 },
+]
+
+[[drives.finger]]
+joint = [
+  { id = 4, model = "SCS0009", mode = "position", homing_offset = -2.618 },
+  { id = 5, model = "SCS0009", mode = "position", homing_offset = -3.403 },
+  { id = 6, model = "SCS0009", mode = "position", homing_offset = -1.309 },
+]
+"#;
+
+/// Servos of the SCS series are recognised by their model, homed without a register for it, and turned by goal positions.
+#[test]
+fn scs_servos_are_found_checked_homed_and_turned() {
+    let folder = folder("drives-scs");
+    experiment(&folder, "\n[sim]\n", &format!("{SCS_DRIVES}\n[sim]\n"));
+    let bus = start_bus(&folder, &["my.toml"]);
+    let with_port = |arguments: &[&str]| {
+        let mut all = vec!["drives"];
+        all.extend(arguments);
+        all.extend(["my.toml", "--port", &bus.port]);
+        run(&folder, &all)
+    };
+    let scan = ["drives", "scan", &bus.port, "--protocol", "feetech"];
+    let options = [
+        "--baud-rate",
+        "1000000",
+        "--largest-id",
+        "6",
+        "--timeout",
+        "2",
+    ];
+    let scanned = run(&folder, &[&scan[..], &options].concat()).done();
+    let found = "FeetechScs: servo 6, SCS0009 (model 1284), 5.0 V, 25 degrees Celsius, at ";
+    assert_eq!(scanned.lines().count(), 6, "{scanned}");
+    assert!(scanned.contains(found), "{scanned}");
+
+    let checked = with_port(&["check"]).done();
+    for line in [
+        "servo 2 (theta2 of finger 0): SCS0009 in position mode, ok, at ",
+        "servo 1 (theta1 of finger 0): a run will set Min Position Limit (address 9) from 0 to 307",
+        "servo 1 (theta1 of finger 0): a run will set Max Position Limit (address 11) from 1023 to 717",
+    ] {
+        assert!(checked.contains(line), "no {line:?} in {checked}");
+    }
+    assert!(!checked.contains("Operating Mode"), "{checked}");
+
+    let homed = with_port(&["home"]).done();
+    let offset = |line: &str| -> f64 {
+        let (_, offset) = line.split_once("homing_offset = ").expect(line);
+        offset.parse().expect(line)
+    };
+    let offsets: Vec<_> = homed.lines().take(6).map(offset).collect();
+    // To within an encoder count, 5 mrad.
+    let expected = [-2.618, -1.833, -3.927, -2.618, -3.403, -1.309];
+    for (offset, expected) in offsets.iter().zip(expected) {
+        assert!((offset - expected).abs() < 0.006, "{homed}");
+    }
+
+    let slowly = [
+        "jog",
+        "--finger",
+        "1",
+        "--joint",
+        "2",
+        "--by",
+        "-2",
+        "--speed",
+        "0.5",
+        "--set",
+        "control.stale_periods=100",
+    ];
+    let turned = with_port(&slowly).done();
+    let words = turned.split_whitespace();
+    let degrees: Vec<f64> = words.filter_map(|word| word.parse().ok()).collect();
+    let [.., from, to] = degrees[..] else {
+        panic!("{turned}")
+    };
+    assert!((to - from + 2.0).abs() < 1.0, "{turned}");
+
+    let sweep = [
+        "identify-current",
+        "--finger",
+        "0",
+        "--joint",
+        "1",
+        "--loads",
+        "0,0.1",
+    ];
+    with_port(&sweep).refused(&["feetech-scs servos measure none"]);
+    with_port(&["check", "--set", "drives.finger.0.joint.0.mode=velocity"])
+        .refused(&["expected \"position\", the only mode of SCS servos"]);
+    with_port(&["check", "--set", "drives.baud_rate=115200"])
+        .refused(&["drives.baud_rate = 115200", "control.period = 0.01 s"]);
+}
+
 #[test]
 fn modes_are_checked_and_planned() {
     let folder = folder("drives-modes");
@@ -472,6 +581,13 @@ fn vendor_sdks_work_with_the_emulated_servos() {
         "positions": { "arrived": true, "offset": -100 },
     });
     assert_eq!(said, expected);
+
+    let said = master(&folder, "feetech-scs").expect("the SDKs are installed");
+    let expected = serde_json::json!({
+        "model": 1284, "sync_read": false, "limits": [430, 594], "velocities": [-40, 40, 0], "arrived": true,
+        "limited": true, "voltage": 50, "temperature": 25,
+    });
+    assert_eq!(said, expected);
 }
 
 /// LeRobot's motor classes find, calibrate and move the emulated servos.
@@ -502,6 +618,12 @@ fn lerobot_works_with_the_emulated_servos() {
         "Status": 0, "Present_Temperature": 25, "Present_Voltage": 50, "Torque_Limit": 500,
     });
     assert_eq!(operate("feetech"), expected);
+    let expected = serde_json::json!({
+        "found": { "1": 1284, "2": 1284, "3": 1284 },
+        "middle": true, "calibrated": true, "read_calibration": true, "position": true, "returned": true,
+        "Status": 0, "Present_Temperature": 25, "Present_Voltage": 50, "Lock": 1,
+    });
+    assert_eq!(operate("feetech-scs"), expected);
 }
 
 /// Python with LeRobot's motor classes, or `None` if it is not installed.

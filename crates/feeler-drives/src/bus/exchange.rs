@@ -122,14 +122,14 @@ impl Bus {
         self.push_address(address);
         match self.protocol {
             Protocol::Dynamixel => self.parameters.extend((length as u16).to_le_bytes()),
-            Protocol::Feetech => self.parameters.push(length as u8),
+            Protocol::Feetech | Protocol::FeetechScs => self.parameters.push(length as u8),
         }
     }
 
     pub(super) fn push_address(&mut self, address: u16) {
         match self.protocol {
             Protocol::Dynamixel => self.parameters.extend(address.to_le_bytes()),
-            Protocol::Feetech => self.parameters.push(address as u8),
+            Protocol::Feetech | Protocol::FeetechScs => self.parameters.push(address as u8),
         }
     }
 }
@@ -146,6 +146,6 @@ fn error_and_data(protocol: Protocol, code: u8, parameters: &[u8]) -> (u8, &[u8]
 fn is_instruction(protocol: Protocol, (id, code): (u8, u8)) -> bool {
     match protocol {
         Protocol::Dynamixel => code != STATUS,
-        Protocol::Feetech => id == BROADCAST,
+        Protocol::Feetech | Protocol::FeetechScs => id == BROADCAST,
     }
 }

@@ -3,14 +3,13 @@
 mod error;
 mod exchange;
 mod latency;
+mod read_all;
 
 pub use error::BusError;
 
 use crate::clock::RigClock;
-use crate::packet::instruction::{
-    FAST_SYNC_READ, PING, READ, REBOOT, SYNC_READ, SYNC_WRITE, WRITE,
-};
-use crate::packet::{BROADCAST, Decoder, LONGEST, Protocol, Sender, complete_blocks, fast_blocks};
+use crate::packet::instruction::{PING, READ, REBOOT, SYNC_WRITE, WRITE};
+use crate::packet::{BROADCAST, Decoder, LONGEST, Protocol, Sender};
 use crate::port::Port;
 use crate::registers::Register;
 use crate::serial::SerialPort;
@@ -119,7 +118,7 @@ impl Bus {
         self.send(id, PING)?;
         let data = match self.protocol {
             Protocol::Dynamixel => 3,
-            Protocol::Feetech => 0,
+            Protocol::Feetech | Protocol::FeetechScs => 0,
         };
         self.answer(id, data, "a ping").map(|_| ())
     }
@@ -182,75 +181,6 @@ impl Bus {
         self.send(BROADCAST, SYNC_WRITE)
     }
 
-    /// Reads the same `part` (address, length) of the servos `ids`, in a single response packet if `fast`. Calls `each`
-    /// with a servo's index in `ids`, its error byte and its data.
-    ///
-    /// # Errors
-    /// If one of them does not answer correctly.
-    pub fn sync_read(
-        &mut self,
-        part: (u16, usize),
-        ids: &[u8],
-        fast: bool,
-        mut each: impl FnMut(usize, u8, &[u8]),
-    ) -> Result<(), BusError> {
-        self.name_part(part);
-        self.parameters.extend(ids);
-        let length = part.1;
-        if fast {
-            return self.fast_sync_read(length, ids, each);
-        }
-        self.send(BROADCAST, SYNC_READ)?;
-        let whole = self.protocol.status_length(length) * ids.len();
-        let deadline = self.deadline(whole);
-        for (index, &id) in ids.iter().enumerate() {
-            let (error, bytes) = self.status(id, length, deadline)?;
-            each(index, error, bytes);
-        }
-        Ok(())
-    }
-
-    /// Performs a fast sync read of `length` bytes per servo. `parameters` already contains the request.
-    fn fast_sync_read(
-        &mut self,
-        length: usize,
-        ids: &[u8],
-        mut each: impl FnMut(usize, u8, &[u8]),
-    ) -> Result<(), BusError> {
-        self.send(BROADCAST, FAST_SYNC_READ)?;
-        let whole = 8 + ids.len() * (length + 4);
-        let deadline = self.deadline(whole);
-        let blamed = |decoder: &Decoder| {
-            let arrived = complete_blocks(decoder.pending(), length);
-            ids.get(arrived)
-                .or(ids.last())
-                .copied()
-                .unwrap_or(BROADCAST)
-        };
-        self.packet(blamed, deadline)?;
-        let parameters = self.decoder.parameters();
-        let mut count = 0;
-        for (index, (block, &id)) in fast_blocks(parameters, length).zip(ids).enumerate() {
-            if block.id != id {
-                return Err(BusError::Unexpected {
-                    id,
-                    expected: length,
-                    actual_id: block.id,
-                    actual: block.data.len(),
-                });
-            }
-            each(index, block.error, block.data);
-            count += 1;
-        }
-        match ids.get(count) {
-            Some(&id) => Err(BusError::CutShort {
-                id,
-                received: parameters.len(),
-            }),
-            None => Ok(()),
-        }
-    }
-
     /// Waits for the response of servo `id` to the instruction `what`, and returns its data.
     fn answer(&mut self, id: u8, length: usize, what: &'static str) -> Result<&[u8], BusError> {
         let deadline = self.deadline(self.protocol.status_length(length));
@@ -259,7 +189,7 @@ impl Bus {
         // A Dynamixel with a hardware fault, and a Feetech servo with any fault, still executes instructions.
         let number = match protocol {
             Protocol::Dynamixel => error & !ALERT,
-            Protocol::Feetech => 0,
+            Protocol::Feetech | Protocol::FeetechScs => 0,
         };
         match number {
             0 => Ok(bytes),

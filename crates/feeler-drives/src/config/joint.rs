@@ -1,6 +1,6 @@
 //! The servo of a joint.
 
-use crate::registers::{COUNTS_PER_TURN, DriveMode, Model};
+use crate::registers::{DriveMode, Model};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -23,9 +23,9 @@ pub struct JointDriveConfig {
     /// Servo model, e.g. `XL330-M288`. Empty if `shared`.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub model: String,
-    /// Mode in which the servo follows the joint's velocity.
-    #[serde(default, skip_serializing_if = "is_velocity")]
-    pub mode: DriveMode,
+    /// Mode in which the servo follows the joint's velocity; velocity mode if `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mode: Option<DriveMode>,
     /// Joint angle (rad) or displacement (m) at servo position 0; determined by `feeler drives home`.
     #[serde(default)]
     pub homing_offset: f64,
@@ -75,10 +75,6 @@ fn is_false(flag: &bool) -> bool {
     !flag
 }
 
-fn is_velocity(mode: &DriveMode) -> bool {
-    *mode == DriveMode::Velocity
-}
-
 fn forward() -> i8 {
     1
 }
@@ -88,20 +84,24 @@ fn one() -> f64 {
 }
 
 impl JointDriveConfig {
-    /// Converts the servo's position in counts to the joint's position, rad or m.
-    pub fn angle(&self, counts: f64) -> f64 {
-        self.turn(counts) + self.homing_offset
+    /// Mode in which the servo follows the joint's velocity.
+    pub fn mode(&self) -> DriveMode {
+        self.mode.unwrap_or_default()
     }
 
-    /// Converts a change of the servo's position in counts to a change of the joint's position, rad or m.
-    pub fn turn(&self, counts: f64) -> f64 {
-        f64::from(self.direction) * counts * TAU / COUNTS_PER_TURN / self.transmission()
+    /// Converts the angle of the servo's horn (rad) to the joint's position, rad or m.
+    pub fn position(&self, horn: f64) -> f64 {
+        self.turn(horn) + self.homing_offset
     }
 
-    /// Converts the joint's position (rad or m) to the servo's position in counts.
-    pub fn counts(&self, angle: f64) -> f64 {
-        let turn = angle - self.homing_offset;
-        f64::from(self.direction) * turn * COUNTS_PER_TURN / TAU * self.transmission()
+    /// Converts a rotation of the servo's horn (rad) to a change of the joint's position, rad or m.
+    pub fn turn(&self, horn: f64) -> f64 {
+        f64::from(self.direction) * horn / self.transmission()
+    }
+
+    /// Converts the joint's position (rad or m) to the angle of the servo's horn, rad.
+    pub fn horn(&self, position: f64) -> f64 {
+        f64::from(self.direction) * (position - self.homing_offset) * self.transmission()
     }
 
     /// Converts the joint's velocity (rad/s or m/s) to the servo's velocity, rad/s.

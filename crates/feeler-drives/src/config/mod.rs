@@ -1,8 +1,10 @@
 //! The table `[drives]` of an experiment file.
 
 mod check;
+mod check_joint;
 mod joint;
 mod shared;
+mod timing;
 
 pub use joint::{JointDriveConfig, TorqueCalibration};
 
@@ -24,7 +26,7 @@ pub struct DrivesConfig {
     #[serde(default = "dynamixel")]
     pub protocol: Protocol,
     /// Reads all servos with a single response packet (Dynamixel X330 with firmware 46 or newer, X430 with 45). Not
-    /// supported by Feetech servos.
+    /// supported by Feetech servos; those of the SCS series are read one after the other.
     #[serde(default)]
     pub fast_sync_read: bool,
     /// Time without instructions after which a servo stops its motor, s, in steps of 0.02 s. Feetech servos have no
@@ -96,7 +98,7 @@ impl DrivesConfig {
             id,
             shared: false,
             model: "XL330-M077".into(),
-            mode: DriveMode::Velocity,
+            mode: None,
             homing_offset: 0.0,
             direction: 1,
             gear_ratio: if slides { 1.0 } else { 5.0 },
@@ -166,7 +168,7 @@ impl DrivesConfig {
     /// limited current.
     pub fn reads_current(&self) -> bool {
         let is_limited = |mode| mode == DriveMode::CurrentLimitedPosition;
-        self.measures_efforts() || self.joints().any(|joint| is_limited(joint.mode))
+        self.measures_efforts() || self.joints().any(|joint| is_limited(joint.mode()))
     }
 
     /// Bus watchdog in the servos' unit of 20 ms, rounded up.

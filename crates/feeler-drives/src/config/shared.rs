@@ -1,7 +1,6 @@
 //! Checks of servos that move joints of several fingers.
 
 use super::JointDriveConfig;
-use crate::registers::DriveMode;
 use feeler::check::Checker;
 
 /// Joints checked so far: id of the servo, finger, and `true` if the servo is shared.
@@ -40,7 +39,7 @@ impl JointDriveConfig {
         self.check_position(key, checker);
         let number = |value: Option<f64>| value.map(|value| value.to_string());
         let model = (!self.model.is_empty()).then(|| format!("{:?}", self.model));
-        let mode = (self.mode != DriveMode::Velocity).then(|| format!("{:?}", self.mode.name()));
+        let mode = self.mode.map(|mode| format!("{:?}", mode.name()));
         let given = [
             ("model", model),
             ("mode", mode),

@@ -32,7 +32,7 @@ impl Servos {
                 self.sync_write((address, length), rest, now);
                 Vec::new()
             }
-            (SYNC_READ, Some((address, length, ids))) => {
+            (SYNC_READ, Some((address, length, ids))) if self.protocol.has_sync_read() => {
                 self.sync_read((address, length), ids, now)
             }
             (FAST_SYNC_READ, Some((address, length, ids)))
@@ -52,7 +52,7 @@ impl Servos {
                 let word = |low: u8, high: u8| usize::from(u16::from_le_bytes([low, high]));
                 Some((word(*a, *b), word(*c, *d), rest))
             }
-            (Protocol::Feetech, [address, length, rest @ ..]) => {
+            (Protocol::Feetech | Protocol::FeetechScs, [address, length, rest @ ..]) => {
                 Some((usize::from(*address), usize::from(*length), rest))
             }
             _ => None,
@@ -123,10 +123,11 @@ impl Servos {
         }]
     }
 
-    /// Executes an instruction to a single servo, or a ping to all.
+    /// Executes an instruction to a single servo, or to all. All but SCS servos answer a ping to all.
     fn obey_singly(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
         let asked = self.servos.iter().filter(|servo| servo.is_there(now));
         let to_all = packet.id == BROADCAST;
+        let answers_all = packet.code == PING && self.protocol.has_sync_read();
         let asked = asked.filter(|servo| to_all || servo.id == packet.id);
         let ids: Vec<u8> = asked.map(|servo| servo.id).collect();
         let mut answers = Vec::new();
@@ -136,9 +137,9 @@ impl Servos {
             };
             let (error, data) = match self.protocol {
                 Protocol::Dynamixel => dynamixel(servo, packet, now),
-                Protocol::Feetech => feetech(servo, packet),
+                Protocol::Feetech | Protocol::FeetechScs => feetech(servo, packet),
             };
-            if !to_all || packet.code == PING {
+            if !to_all || answers_all {
                 answers.extend(self.answer(id, error, &data));
             }
         }
@@ -155,7 +156,9 @@ impl Servos {
                 let parameters: Vec<u8> = [status].iter().chain(data).copied().collect();
                 encode(self.protocol, (id, STATUS), &parameters, &mut bytes)
             }
-            Protocol::Feetech => encode(self.protocol, (id, status), data, &mut bytes),
+            Protocol::Feetech | Protocol::FeetechScs => {
+                encode(self.protocol, (id, status), data, &mut bytes)
+            }
         };
         made.ok()?;
         let delay = servo.return_delay();

@@ -2,10 +2,11 @@
 
 use super::DriveHand;
 use crate::bus::Bus;
-use crate::error::DriveError;
+use crate::config::JointDriveConfig;
+use crate::error::{DriveError, JointName};
 use crate::health::OVERLOAD;
 use crate::packet::Protocol;
-use crate::registers::{DriveMode, GoalKind, Registers};
+use crate::registers::{DriveMode, GoalKind, Model, Registers};
 use crate::servo::{Servo, ServoJoints};
 use crate::setup::{
     apply, blame, changes, check_fast_sync_read, check_model, named_servos, read, set,
@@ -28,14 +29,16 @@ impl DriveHand {
             let joints = ServoJoints::of(&self.config, &self.fingers, joint)?;
             let range = (joints.limits.lower, joints.limits.upper);
             let servo = Servo::new(joints, model, self.most_age);
-            if let Some(limit) = registers.velocity_limit {
-                servo.allow(read(&mut self.bus, joint, limit)?)?;
-            }
+            servo.allow(match registers.velocity_limit {
+                Some(limit) => read(&mut self.bus, joint, limit)?,
+                None => model.velocity_limit,
+            })?;
             self.bus
                 .write(joint.id, registers.torque, 0)
                 .map_err(blame(joint))?;
             let changes = changes(&mut self.bus, joint, drive, range)?;
             apply(&mut self.bus, &changes)?;
+            check_current_limit(&mut self.bus, joint, drive, model)?;
             self.servos.push(servo);
         }
         Ok(())
@@ -55,8 +58,7 @@ impl DriveHand {
                     .map_err(blame(joint))?;
             }
             if servo.kind() == GoalKind::Velocity {
-                let goal = ("Goal Velocity", registers.goal_velocity);
-                set(&mut self.bus, joint, goal, 0)?;
+                set(&mut self.bus, joint, registers.goal_velocity, 0)?;
             }
         }
         self.read_motion()?;
@@ -71,23 +73,24 @@ impl DriveHand {
         for servo in &self.servos {
             let joint = servo.name();
             if let Some(register) = registers.watchdog {
-                set(&mut self.bus, joint, ("Bus Watchdog", register), watchdog)?;
+                set(&mut self.bus, joint, register, watchdog)?;
             }
-            set(&mut self.bus, joint, ("Torque Enable", registers.torque), 1)?;
+            set(&mut self.bus, joint, registers.torque, 1)?;
         }
         (self.asked, self.next_asked) = (self.clock.now(), 0);
         Ok(())
     }
 
     /// Restarts Dynamixel servos that an overload has switched off; their torque cannot be enabled otherwise. The
-    /// EEPROM keeps its values. Servos with other faults remain off. Call this only after the cause of the overload was
-    /// removed.
+    /// EEPROM keeps its values. Servos with other faults remain off. Feetech servos get a new goal, since that ends an
+    /// overload of the SCS0009. Call this only without torque, after the cause of the overload was removed.
     ///
     /// # Errors
     /// If a servo does not answer, or not within a second after its restart.
     pub fn restart_overloaded(&mut self) -> Result<(), DriveError> {
         if self.config.protocol != Protocol::Dynamixel {
-            return Ok(());
+            self.servos.iter_mut().for_each(Servo::end_overload);
+            return Ok(self.write_goals()?);
         }
         let fault = Registers::of(Protocol::Dynamixel).fault;
         for servo in &self.servos {
@@ -117,24 +120,52 @@ fn hold(bus: &mut Bus, servo: &Servo) -> Result<(), DriveError> {
     if servo.kind() == GoalKind::Velocity {
         return Ok(());
     }
-    let acceleration = ("Profile Acceleration", registers.profile_acceleration);
-    set(bus, joint, acceleration, 0)?;
-    let velocity = ("Profile Velocity", registers.profile_velocity);
-    set(bus, joint, velocity, servo.profile_velocity())?;
+    if let Some(register) = registers.profile_acceleration {
+        set(bus, joint, register, 0)?;
+    }
+    let velocity = servo.profile_velocity();
+    set(bus, joint, registers.profile_velocity, velocity)?;
     if let (DriveMode::CurrentLimitedPosition, Some(most)) =
-        (servo.drive().mode, servo.drive().most_current())
+        (servo.drive().mode(), servo.drive().most_current())
     {
         // Rounded down, so that the limit is never exceeded.
         if let Some(register) = registers.goal_current {
             let counts = (most / servo.model.current_unit) as i64;
-            set(bus, joint, ("Goal Current", register), counts)?;
+            set(bus, joint, register, counts)?;
         }
         if let Some(register) = registers.output_limit {
             let (_, stall_current) = servo.model.stall;
             let share = (1000.0 * most / stall_current).min(1000.0) as i64;
-            set(bus, joint, ("Torque Limit", register), share)?;
+            set(bus, joint, register, share)?;
         }
     }
-    let goal = ("Goal Position", registers.goal_position);
-    set(bus, joint, goal, servo.goal)
+    set(bus, joint, registers.goal_position, servo.goal)
+}
+
+/// Checks that the servo of `joint` accepts the goal current of `drive`.
+fn check_current_limit(
+    bus: &mut Bus,
+    joint: JointName,
+    drive: &JointDriveConfig,
+    model: &Model,
+) -> Result<(), DriveError> {
+    let registers = Registers::of(model.protocol);
+    let (DriveMode::CurrentLimitedPosition, Some(_), Some(register), Some(expected)) = (
+        drive.mode(),
+        registers.goal_current,
+        registers.current_limit,
+        drive.most_current(),
+    ) else {
+        return Ok(());
+    };
+    let limit = read(bus, joint, register)?;
+    match (expected / model.current_unit) as i64 <= limit {
+        true => Ok(()),
+        false => Err(DriveError::CurrentLimit {
+            joint,
+            expected,
+            actual: limit as f64 * model.current_unit,
+            address: register.address,
+        }),
+    }
 }

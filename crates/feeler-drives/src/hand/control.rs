@@ -68,7 +68,7 @@ impl DriveHand {
     }
 
     /// Writes the goals of all servos, one packet per kind of goal.
-    fn write_goals(&mut self) -> Result<(), BusError> {
+    pub(super) fn write_goals(&mut self) -> Result<(), BusError> {
         let registers = Registers::of(self.config.protocol);
         for kind in GoalKind::ALL {
             let servos = self.servos.iter();

@@ -14,7 +14,13 @@ impl DriveHand {
     /// Checks that the adapter has delivered the responses soon after they were on the bus. Angles are stamped at their
     /// arrival, so an adapter that collects bytes for 16 ms makes them older than they appear.
     pub(super) fn check_latency(&self) -> Result<(), DriveError> {
-        let (latency, limit) = (self.bus.usual_latency(), SHARE * self.most_age);
+        // Each exchange is delayed.
+        let exchanges = match self.config.protocol.has_sync_read() {
+            true => 1,
+            false => self.ids.len().max(1),
+        };
+        let limit = SHARE * self.most_age / exchanges as f64;
+        let latency = self.bus.usual_latency();
         match latency <= limit {
             true => Ok(()),
             false => Err(DriveError::SlowAdapter { latency, limit }),

@@ -29,7 +29,7 @@ pub struct DriveHand {
     ids: Vec<u8>,
     /// Part of the control table read in every period.
     motion: (u16, usize),
-    /// Time at which the latest joint angles arrived, s of the clock.
+    /// Time at which the oldest of the latest joint angles arrived, s of the clock.
     stamp: f64,
     /// Stamp of the joint angles that the latest command was based on, s of the clock.
     commanded: f64,
@@ -78,10 +78,7 @@ impl DriveHand {
             fingers: fingers.to_vec(),
             servos: Vec::new(),
             ids: config.servos().map(|servo| servo.id).collect(),
-            motion: match config.reads_current() {
-                true => Registers::of(config.protocol).motion_and_current,
-                false => Registers::of(config.protocol).motion,
-            },
+            motion: config.motion_part(),
             stamp: 0.0,
             commanded: 0.0,
             asked: 0.0,
@@ -149,7 +146,8 @@ impl DriveHand {
         servos.map(|servo| (servo.name(), servo.torque()))
     }
 
-    /// Reads currents in every period from now on, even if [`DrivesConfig::reads_current`] is `false`.
+    /// Reads currents in every period from now on, even if [`DrivesConfig::reads_current`] is `false`. No effect on Feetech
+    /// SCS servos, which measure none.
     pub fn read_currents(&mut self) {
         self.motion = Registers::of(self.config.protocol).motion_and_current;
     }
@@ -170,7 +168,7 @@ impl DriveHand {
         self.power_off();
         let torque = Registers::of(self.config.protocol).torque;
         for servo in &self.servos {
-            set(&mut self.bus, servo.name(), ("Torque Enable", torque), 0)?;
+            set(&mut self.bus, servo.name(), torque, 0)?;
         }
         Ok(())
     }

@@ -33,7 +33,7 @@ impl DriveHand {
         let limits = self.config.health_limits();
         let protocol = self.config.protocol;
         let part = self.motion;
-        let read = self.bus.sync_read(part, ids, fast, |index, error, bytes| {
+        let read = self.bus.read_all(part, ids, fast, |index, error, bytes| {
             let Some(servo) = servos.get_mut(index) else {
                 return;
             };
@@ -41,12 +41,14 @@ impl DriveHand {
             let health = Health::in_motion(registers, bytes);
             let ill = registers.motion_has_health
                 && health.check(protocol, servo.name(), &limits).is_err();
+            if registers.motion_has_health {
+                servo.notice(error | health.fault);
+            }
             if first_bad.is_none() && (error != 0 || ill) {
                 first_bad = Some((index, error, health));
             }
         });
-        read.map_err(|source| self.blame_by_id(source))?;
-        self.stamp = self.clock.now();
+        self.stamp = read.map_err(|source| self.blame_by_id(source))?;
         match first_bad {
             Some((index, error, health)) => self.explain(index, error, health),
             None => Ok(()),
@@ -58,7 +60,7 @@ impl DriveHand {
         let joint = self.servos[index].name();
         let protocol = self.config.protocol;
         let limits = self.config.health_limits();
-        if protocol == Protocol::Feetech {
+        if protocol != Protocol::Dynamixel {
             let fault = error | health.fault;
             return Health { fault, ..health }.check(protocol, joint, &limits);
         }
@@ -95,8 +97,8 @@ impl DriveHand {
         let (torque, watchdog) = match self.config.protocol {
             Protocol::Dynamixel => self.ask_dynamixel(joint)?,
             // The rest is read in every period.
-            Protocol::Feetech => {
-                let torque = Registers::of(Protocol::Feetech).torque;
+            Protocol::Feetech | Protocol::FeetechScs => {
+                let torque = Registers::of(self.config.protocol).torque;
                 (read(&mut self.bus, joint, torque)?, None)
             }
         };

@@ -134,7 +134,7 @@ impl Decoder {
     fn lengths(&self) -> (usize, usize) {
         match self.protocol {
             Protocol::Dynamixel => (3, LONGEST),
-            Protocol::Feetech => (2, u8::MAX.into()),
+            Protocol::Feetech | Protocol::FeetechScs => (2, u8::MAX.into()),
         }
     }
 
@@ -182,7 +182,9 @@ impl Decoder {
             (Protocol::Dynamixel, [_, _, _, _, id, low, high, ..]) => {
                 Some((*id, 7, u16::from_le_bytes([*low, *high]).into()))
             }
-            (Protocol::Feetech, [_, _, id, length, ..]) => Some((*id, 4, (*length).into())),
+            (Protocol::Feetech | Protocol::FeetechScs, [_, _, id, length, ..]) => {
+                Some((*id, 4, (*length).into()))
+            }
             _ => None,
         }
     }
@@ -199,7 +201,7 @@ impl Decoder {
                     rest[..known] == header[..known]
                 }
                 // An id is never 0xFF.
-                Protocol::Feetech => match rest {
+                Protocol::Feetech | Protocol::FeetechScs => match rest {
                     [0xFF] | [0xFF, 0xFF] => true,
                     [0xFF, 0xFF, id, ..] => *id != 0xFF,
                     _ => false,
@@ -224,7 +226,7 @@ fn check_bytes(protocol: Protocol, packet: &[u8]) -> (u16, u16) {
         (Protocol::Dynamixel, [content @ .., low, high]) => {
             (check::crc(content), u16::from_le_bytes([*low, *high]))
         }
-        (Protocol::Feetech, [_, _, content @ .., sum]) => {
+        (Protocol::Feetech | Protocol::FeetechScs, [_, _, content @ .., sum]) => {
             (check::sum(content).into(), (*sum).into())
         }
         // Unreachable: no packet is so short.

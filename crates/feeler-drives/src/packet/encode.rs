@@ -30,7 +30,7 @@ pub fn encode(
     bytes.clear();
     match protocol {
         Protocol::Dynamixel => dynamixel((id, code), parameters, bytes),
-        Protocol::Feetech => feetech((id, code), parameters, bytes),
+        Protocol::Feetech | Protocol::FeetechScs => feetech((id, code), parameters, bytes),
     }
 }
 

@@ -1,10 +1,10 @@
-//! Packet codecs of both protocols, without I/O or clocks.
+//! Packet codecs of all protocols, without I/O or clocks.
 //!
 //! Dynamixel protocol 2.0 (<https://emanual.robotis.com/docs/en/dxl/protocol2/>): `FF FF FD 00 | id | length, 2 bytes |
 //! instruction | parameters | CRC-16, 2 bytes`. A servo's response has instruction 0x55 and an error byte before its
 //! parameters; `FF FF FD` inside is stuffed with another `FD`.
 //!
-//! Feetech STS and SMS, which continue Dynamixel protocol 1.0: `FF FF | id | length | instruction (in a response:
+//! Feetech STS, SMS and SCS, which continue Dynamixel protocol 1.0: `FF FF | id | length | instruction (in a response:
 //! status) | parameters | checksum`.
 
 mod check;
@@ -24,20 +24,39 @@ pub const BROADCAST: u8 = 0xFE;
 
 /// Protocol of a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum Protocol {
     /// Dynamixel protocol 2.0: the X series and compatible servos.
     Dynamixel,
     /// Feetech STS and SMS series.
     Feetech,
+    /// Feetech SCS series: the same packets, but big-endian values, another control table and no sync reads.
+    FeetechScs,
 }
 
 impl Protocol {
+    /// All protocols.
+    pub const ALL: [Self; 3] = [Self::Dynamixel, Self::Feetech, Self::FeetechScs];
+
+    /// Name as in an experiment file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Dynamixel => "dynamixel",
+            Self::Feetech => "feetech",
+            Self::FeetechScs => "feetech-scs",
+        }
+    }
+
+    /// Returns `true` if all servos can be asked at once.
+    pub fn has_sync_read(self) -> bool {
+        self != Self::FeetechScs
+    }
+
     /// Maximum id of a servo.
     pub fn largest_id(self) -> u8 {
         match self {
             Self::Dynamixel => 252,
-            Self::Feetech => 253,
+            Self::Feetech | Self::FeetechScs => 253,
         }
     }
 
@@ -45,7 +64,7 @@ impl Protocol {
     pub fn before_parameters(self) -> usize {
         match self {
             Self::Dynamixel => 8,
-            Self::Feetech => 5,
+            Self::Feetech | Self::FeetechScs => 5,
         }
     }
 
@@ -53,7 +72,7 @@ impl Protocol {
     pub fn check_length(self) -> usize {
         match self {
             Self::Dynamixel => 2,
-            Self::Feetech => 1,
+            Self::Feetech | Self::FeetechScs => 1,
         }
     }
 
@@ -65,7 +84,7 @@ impl Protocol {
     }
 }
 
-/// Instruction codes of both protocols.
+/// Instruction codes of all protocols.
 pub mod instruction {
     /// Requests model number and firmware (Feetech: an empty response).
     pub const PING: u8 = 0x01;

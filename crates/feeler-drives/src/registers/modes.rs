@@ -36,15 +36,23 @@ impl DriveMode {
     /// All modes.
     pub const ALL: [Self; 3] = [Self::Velocity, Self::Position, Self::CurrentLimitedPosition];
 
-    /// Operating mode in the servo's control table. `Position` is Dynamixel's extended position control, whose positions do
-    /// not wrap.
+    /// Operating mode in the servo's control table, if it has this register. `Position` is Dynamixel's extended position
+    /// control, whose positions do not wrap.
     pub fn number(self, protocol: Protocol) -> i64 {
         match (protocol, self) {
             (Protocol::Dynamixel, Self::Velocity) => 1,
             (Protocol::Dynamixel, Self::Position) => 4,
             (Protocol::Dynamixel, Self::CurrentLimitedPosition) => 5,
-            (Protocol::Feetech, Self::Velocity) => 1,
-            (Protocol::Feetech, Self::Position | Self::CurrentLimitedPosition) => 0,
+            (Protocol::Feetech | Protocol::FeetechScs, Self::Velocity) => 1,
+            (Protocol::Feetech | Protocol::FeetechScs, _) => 0,
+        }
+    }
+
+    /// Modes that servos with `protocol` support.
+    pub fn supported(protocol: Protocol) -> &'static [Self] {
+        match protocol {
+            Protocol::Dynamixel | Protocol::Feetech => &Self::ALL,
+            Protocol::FeetechScs => &[Self::Position],
         }
     }
 

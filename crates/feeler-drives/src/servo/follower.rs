@@ -2,7 +2,7 @@
 
 use crate::config::JointDriveConfig;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, GoalKind, Model};
+use crate::registers::{GoalKind, Model};
 use feeler::hand::LeashedGoal;
 
 /// Goal of a servo, which follows the velocity of its joint.
@@ -18,7 +18,7 @@ pub(super) enum Follower {
 impl Follower {
     /// Creates the follower for the mode of `drive`, with the `limits`, `speed` and default leash.
     pub fn new(drive: &JointDriveConfig, limits: (f64, f64), speed: f64, usual_leash: f64) -> Self {
-        match drive.mode.goal() {
+        match drive.mode().goal() {
             GoalKind::Velocity => Self::Velocity { left_out: 0.0 },
             GoalKind::Position => Self::Position(LeashedGoal {
                 position: 0.0,
@@ -76,11 +76,12 @@ impl Follower {
     }
 }
 
-/// Goal position of a servo, counts. Positions of Feetech servos are within a turn.
+/// Goal position of a servo, counts. Positions of Feetech servos are within a turn, or within the range of a potentiometer.
 fn position_counts(drive: &JointDriveConfig, model: &Model, position: f64) -> i64 {
-    let counts = drive.counts(position).round() as i64;
+    let counts = model.to_counts(drive.horn(position)).round() as i64;
     match model.protocol {
         Protocol::Dynamixel => counts,
-        Protocol::Feetech => counts.rem_euclid(COUNTS_PER_TURN as i64),
+        Protocol::Feetech => counts.rem_euclid(model.counts),
+        Protocol::FeetechScs => counts.clamp(0, model.counts - 1),
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::config::JointDriveConfig;
 use crate::error::{DriveError, JointName};
-use crate::registers::COUNTS_PER_TURN;
 use feeler::hand::FingerGeometry;
+use std::f64::consts::PI;
 
 /// Limits of a joint's position (rad or m) and of its speed (rad/s or m/s).
 #[derive(Debug, Clone, Copy)]
@@ -52,7 +52,7 @@ impl ServoJoint {
 
     /// Returns the limits of `other`, which the same servo moves, converted to this joint.
     pub fn converted_limits(&self, other: &Self) -> JointLimits {
-        let own = |position: f64| self.drive.angle(other.drive.counts(position));
+        let own = |position: f64| self.drive.position(other.drive.horn(position));
         let (lower, upper) = (own(other.limits.lower), own(other.limits.upper));
         JointLimits {
             lower: lower.min(upper),
@@ -61,9 +61,9 @@ impl ServoJoint {
         }
     }
 
-    /// Updates position and velocity from those of the servo, in counts and rad/s.
-    pub fn update(&mut self, counts: i64, velocity: f64) {
-        self.angle = self.drive.angle(counts as f64);
+    /// Updates position and velocity from the angle (rad) and velocity (rad/s) of the servo's horn.
+    pub fn update(&mut self, horn: f64, velocity: f64) {
+        self.angle = self.drive.position(horn);
         self.velocity = self.drive.joint_velocity(velocity);
     }
 
@@ -100,8 +100,8 @@ impl ServoJoint {
     /// Checks that the position has not changed by half a turn of the servo or more since the joint was at `before`
     /// (rad or m), which happens if the servo restarts in another turn.
     pub fn check_turn(&self, before: f64) -> Result<(), DriveError> {
-        let turned = self.drive.counts(self.angle) - self.drive.counts(before);
-        match turned.abs() < COUNTS_PER_TURN / 2.0 {
+        let turned = self.drive.horn(self.angle) - self.drive.horn(before);
+        match turned.abs() < PI {
             true => Ok(()),
             false => Err(DriveError::TurnLost {
                 joint: self.name,

@@ -4,7 +4,7 @@ use super::joint::{JointLimits, ServoJoint};
 use crate::config::{DrivesConfig, JointDriveConfig};
 use crate::error::{DriveError, JointName};
 use crate::packet::Protocol;
-use crate::registers::COUNTS_PER_TURN;
+use crate::registers::Model;
 use crate::setup::joints_of_servo;
 use feeler::hand::FingerGeometry;
 
@@ -72,7 +72,7 @@ impl ServoJoints {
         let (lower, upper) = (self.limits.lower, self.limits.upper);
         let other = self.others.iter().find(|other| other.name == joint);
         other.map_or((lower, upper), |other| {
-            let ends = [lower, upper].map(|end| other.drive.angle(self.first.drive.counts(end)));
+            let ends = [lower, upper].map(|end| other.drive.position(self.first.drive.horn(end)));
             (ends[0].min(ends[1]), ends[0].max(ends[1]))
         })
     }
@@ -87,23 +87,24 @@ impl ServoJoints {
         self.iter().map(limit).fold(f64::INFINITY, f64::min)
     }
 
-    /// Unwraps a position that a servo with `protocol` reports, counts: positions of Feetech servos wrap after a turn. Chooses
+    /// Unwraps a position that a servo of `model` reports, counts: positions of Feetech STS servos wrap after a turn. Chooses
     /// the equivalent position nearest to the `previous` one, or initially to the middle of the range.
-    pub fn unwrap_position(&self, protocol: Protocol, reported: i64, previous: Option<i64>) -> i64 {
-        if protocol == Protocol::Dynamixel {
+    pub fn unwrap_position(&self, model: &Model, reported: i64, previous: Option<i64>) -> i64 {
+        if model.protocol != Protocol::Feetech {
             return reported;
         }
-        let turn = COUNTS_PER_TURN as i64;
+        let turn = model.counts;
         let middle = (self.limits.lower + self.limits.upper) / 2.0;
-        let near = previous.unwrap_or_else(|| self.first.drive.counts(middle).round() as i64);
+        let near = || model.to_counts(self.first.drive.horn(middle)).round() as i64;
+        let near = previous.unwrap_or_else(near);
         near + (reported - near + turn / 2).rem_euclid(turn) - turn / 2
     }
 
-    /// Updates all joints from position (counts) and velocity (rad/s) of the servo.
-    pub fn update(&mut self, counts: i64, velocity: f64) {
-        self.first.update(counts, velocity);
+    /// Updates all joints from the angle (rad) and velocity (rad/s) of the servo's horn.
+    pub fn update(&mut self, horn: f64, velocity: f64) {
+        self.first.update(horn, velocity);
         for other in &mut self.others {
-            other.update(counts, velocity);
+            other.update(horn, velocity);
         }
     }
 

@@ -9,7 +9,8 @@ pub(crate) use joints::ServoJoints;
 
 use crate::config::JointDriveConfig;
 use crate::error::{DriveError, JointName};
-use crate::registers::{GoalKind, Model, Registers};
+use crate::health::OVERLOAD;
+use crate::registers::{GoalKind, Model, Register, Registers};
 use crate::torque::TorqueEstimate;
 use follower::Follower;
 
@@ -27,6 +28,8 @@ pub(crate) struct Servo {
     pub goal: i64,
     /// `true` once the goal was set to the measured position.
     held: bool,
+    /// `true` if the servo has reported an overload since the last [`reset`](Self::reset).
+    overloaded: bool,
 }
 
 impl Servo {
@@ -42,6 +45,7 @@ impl Servo {
             follower: Follower::new(drive, range, limits.speed, leash),
             goal: 0,
             held: false,
+            overloaded: false,
             joints,
         }
     }
@@ -56,14 +60,15 @@ impl Servo {
         &self.joints.first.drive
     }
 
-    /// Returns `true` if the goal may be written: a goal position only after the joint was measured.
+    /// Returns `true` if the goal may be written: a goal position only after the joint was measured, and not after an
+    /// overload, which a new goal position would end on Feetech servos, while the motor still pushes.
     pub fn has_goal(&self) -> bool {
-        self.held || self.kind() == GoalKind::Velocity
+        (self.held && !self.overloaded) || self.kind() == GoalKind::Velocity
     }
 
     /// Kind of the goal.
     pub fn kind(&self) -> GoalKind {
-        self.drive().mode.goal()
+        self.drive().mode().goal()
     }
 
     /// Velocity of the servo at the speed limit of its joints, in the model's unit.
@@ -90,7 +95,18 @@ impl Servo {
     pub fn reset(&mut self) {
         self.counts = None;
         self.held = false;
+        self.overloaded = false;
         self.stop();
+    }
+
+    /// Registers the `faults` that the servo reports.
+    pub fn notice(&mut self, faults: u8) {
+        self.overloaded |= faults & OVERLOAD != 0;
+    }
+
+    /// Allows a new goal, which ends an overload. Call this only without torque.
+    pub fn end_overload(&mut self) {
+        self.overloaded = false;
     }
 
     /// Updates position, velocity and current from the `bytes` of a part of the control table that begins at the address
@@ -100,11 +116,13 @@ impl Servo {
         let reported = registers.position.in_part(begin, bytes);
         let counts = self
             .joints
-            .unwrap_position(self.model.protocol, reported, self.counts);
+            .unwrap_position(self.model, reported, self.counts);
         self.counts = Some(counts);
         let units = registers.velocity.in_part(begin, bytes) as f64;
-        self.joints.update(counts, units * self.model.velocity_unit);
-        let units = registers.current.in_part(begin, bytes) as f64;
+        let horn = self.model.to_angle(counts as f64);
+        self.joints.update(horn, units * self.model.velocity_unit);
+        let current = |register: Register| register.in_part(begin, bytes) as f64;
+        let units = registers.current.map_or(0.0, current);
         self.current = f64::from(self.drive().direction) * units * self.model.current_unit;
     }
 

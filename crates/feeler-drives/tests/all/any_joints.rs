@@ -11,8 +11,7 @@ use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::emulator::{EmulatorConfig, LagPlant, Lockstep};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
-use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
-use std::f64::consts::TAU;
+use feeler_drives::registers::Registers;
 use std::fmt::Write as _;
 
 /// A planar chain with this number of revolute joints, the last one prismatic if `slides`.
@@ -46,7 +45,7 @@ fn open(
     fingers: &[FingerGeometry],
 ) -> Result<(DriveHand, Lockstep), DriveError> {
     let joints = config.joints().enumerate();
-    let angles = joints.map(|(i, joint)| joint.counts(0.01 * i as f64) / COUNTS_PER_TURN * TAU);
+    let angles = joints.map(|(i, joint)| joint.horn(0.01 * i as f64));
     let plant = LagPlant::new(0.01, &angles.collect::<Vec<_>>());
     let bus = Lockstep::new(&EmulatorConfig::of(config, 1), Box::new(plant));
     let how = (config.protocol, config.baud_rate);
@@ -146,7 +145,7 @@ fn a_servo_moves_a_prismatic_joint_by_its_travel_per_turn() {
     for (jaw, (travel, sign)) in [(0.04, 1.0), (0.1, -1.0)].into_iter().enumerate() {
         let moved = state.joints[jaw].position[0] - begin[jaw];
         assert!((moved - 0.01).abs() < 5e-4, "{jaw}: {moved} m");
-        let turns = (counts(jaw) - before[jaw]) as f64 / COUNTS_PER_TURN;
+        let turns = (counts(jaw) - before[jaw]) as f64 / 4096.0;
         // To within the noise of the encoder, a count.
         assert!(
             (turns - sign * moved / travel).abs() < 1e-3,

@@ -2,17 +2,22 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::{MAX_AGE, PERIOD, Rig, ages_of_commands, bus, config, finger, hand_on, plant};
+use crate::support::{
+    MAX_AGE, PERIOD, Rig, ages_of_commands, ages_of_goal_positions, bus, config, config_in, finger,
+    hand_on, plant,
+};
 use feeler::hand::{Hand, JointVector};
 use feeler_drives::bus::Bus;
+use feeler_drives::config::{DrivesConfig, TorqueCalibration};
 use feeler_drives::emulator::{BusFault, EmulatorConfig, Lockstep};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::instruction::STATUS;
 use feeler_drives::packet::{Protocol, encode};
-use feeler_drives::registers::Registers;
+use feeler_drives::registers::{DriveMode, Registers};
 use feeler_drives::{Port, RigClock};
 use std::io;
 
+/// Protocols with a velocity mode, in which [`config`] operates their servos.
 const PROTOCOLS: [Protocol; 2] = [Protocol::Dynamixel, Protocol::Feetech];
 
 /// Joints turn as commanded, for any direction, gear ratio and offset of their servos. Half a unit of velocity of the
@@ -73,14 +78,15 @@ fn servos_are_configured_before_torque_is_enabled_and_disabled_at_the_end() {
                 .collect()
         };
         assert_eq!(counts(&rig, registers.torque), [1; 6]);
-        assert_eq!(counts(&rig, registers.mode), [1; 6]);
+        assert_eq!(counts(&rig, registers.mode.expect("modes")), [1; 6]);
         assert_eq!(counts(&rig, registers.return_delay), [0; 6]);
         let limit = if protocol == Protocol::Dynamixel {
             650
         } else {
             100
         };
-        assert_eq!(counts(&rig, registers.current_limit), [limit; 6]);
+        let register = registers.current_limit.expect("a current limit");
+        assert_eq!(counts(&rig, register), [limit; 6]);
         if let Some(watchdog) = registers.watchdog {
             assert_eq!(counts(&rig, watchdog), [5; 6]);
             // The watchdog was set before the torque.
@@ -113,7 +119,8 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
     for _ in 0..10 {
         rig.period(0.02).unwrap();
     }
-    assert!(rig.goals().iter().any(|&goal| goal != 0.0));
+    let has_velocities = PROTOCOLS.contains(&protocol);
+    assert!(!has_velocities || rig.goals().iter().any(|&goal| goal != 0.0));
     rig.emulator.inject(fault);
     let injected = rig.now();
     let error = (0..100).find_map(|_| rig.period(0.02).err());
@@ -139,14 +146,18 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
             assert_eq!(servo.goal(), 0.0, "{fault:?}: servo {}", servo.id);
         }
     }
-    let stopped = ages_of_commands(&rig.emulator.servos(), protocol);
+    let commands = |rig: &Rig| match has_velocities {
+        true => ages_of_commands(&rig.emulator.servos(), protocol),
+        false => ages_of_goal_positions(&rig.emulator.servos(), protocol),
+    };
+    let stopped = commands(&rig);
     for (time, age) in &stopped {
         assert!(*age <= MAX_AGE + 1e-3, "{fault:?}: {age} s old at {time} s");
     }
     // The hand rejects further commands.
     assert!(rig.period(0.02).is_err());
     rig.settle();
-    let told = ages_of_commands(&rig.emulator.servos(), protocol).len();
+    let told = commands(&rig).len();
     assert_eq!(told, stopped.len(), "{fault:?}: commanded to move again");
     assert_eq!(rig.hand.fault(), Some(error.as_str()));
 }
@@ -168,7 +179,7 @@ fn within(protocol: Protocol, fault: BusFault) -> f64 {
 
 #[test]
 fn a_failed_servo_stops_the_hand() {
-    for protocol in PROTOCOLS {
+    for protocol in Protocol::ALL {
         stops(
             protocol,
             BusFault::Silent(5),
@@ -201,14 +212,14 @@ fn a_failed_servo_stops_the_hand() {
 /// A restarting servo is silent for 0.3 s, which is detected at once.
 #[test]
 fn a_restarting_servo_stops_the_hand() {
-    for protocol in PROTOCOLS {
+    for protocol in Protocol::ALL {
         stops(protocol, BusFault::Reboot(1), &["servo 1"]);
     }
 }
 
 #[test]
 fn a_failed_bus_stops_the_hand() {
-    for protocol in PROTOCOLS {
+    for protocol in Protocol::ALL {
         stops(protocol, BusFault::FlipBytes(0.01), &["servo"]);
         stops(protocol, BusFault::LoseBytes(0.01), &["servo"]);
         stops(protocol, BusFault::Echo, &["echoes", "without echo"]);
@@ -224,7 +235,7 @@ fn a_failed_bus_stops_the_hand() {
 /// On a busy computer, a response may arrive after a request to another servo was sent.
 #[test]
 fn a_late_response_is_not_attributed_to_the_next_servo() {
-    for protocol in PROTOCOLS {
+    for protocol in Protocol::ALL {
         let config = config(protocol, 1);
         let lockstep = bus(&config);
         let how = (config.protocol, config.baud_rate);
@@ -373,10 +384,60 @@ fn invalid_configurations_are_rejected() {
         &|c| c.finger[0].joint[2].gear_ratio = 30.0,
         &["servo 3 (theta3 of finger 0)", "joint_speed_limit"],
     );
+    // Greater than the stall torque: it would limit nothing.
+    refused(
+        &|c| limit_torque(c, 100.0),
+        &[
+            "drives.finger[0].joint[0].torque_limit = 100",
+            "at most 0.735",
+            "1.47 A",
+        ],
+    );
+    // The emulated servos allow 0.5 A.
+    refused(
+        &|c| limit_torque(c, 0.3),
+        &[
+            "servo 1 (theta1 of finger 0) allows at most 0.500 A",
+            "0.600 A by torque_limit",
+            "address 38",
+        ],
+    );
     refused(
         &|c| c.voltage_range = [11.0, 12.6],
         &["servo 1", "5.0 V", "11 to 12.6 V"],
     );
+}
+
+/// Limits the torque of servo 1 by a constant of 0.5 N m/A.
+fn limit_torque(config: &mut DrivesConfig, limit: f64) {
+    let joint = &mut config.finger[0].joint[0];
+    joint.mode = Some(DriveMode::CurrentLimitedPosition);
+    (joint.current_limit, joint.torque_limit) = (None, Some(limit));
+    joint.torque = Some(TorqueCalibration {
+        constant: 0.5,
+        constant_error: 0.0,
+        friction: 0.0,
+        friction_error: 0.0,
+    });
+}
+
+/// A Feetech servo has no velocity limit to read; its model turns at 3400 counts/s.
+#[test]
+fn a_joint_too_fast_for_a_feetech_servo_is_refused() {
+    for mode in DriveMode::ALL {
+        for gear_ratio in [2.7, 3.0, 10.0, 30.0] {
+            let mut config = config_in(Protocol::Feetech, mode, 1);
+            config.finger[0].joint[0].gear_ratio = gear_ratio;
+            let error = Rig::of(config).err().expect("an error").to_string();
+            let needed = format!("expected at least {:.2} rad/s", 2.0 * gear_ratio);
+            assert!(
+                error.contains("servo 1 (theta1 of finger 0) is limited to 5.22 rad/s")
+                    && error.contains(&needed)
+                    && error.contains("travel_per_turn"),
+                "{error}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -36,11 +36,12 @@ proptest! {
     #[test]
     fn arbitrary_instructions_keep_servos_within_their_physics(
         instructions in prop::collection::vec((0..3u8, 0..5usize, address(), prop::collection::vec(byte(), 0..8), 0.0..0.2f64), 1..40),
-        feetech in any::<bool>(),
+        protocol in prop::sample::select(&Protocol::ALL[..]),
     ) {
-        let (protocol, name) = match feetech {
-            true => (Protocol::Feetech, "STS3215"),
-            false => (Protocol::Dynamixel, "XL330-M288"),
+        let name = match protocol {
+            Protocol::Dynamixel => "XL330-M288",
+            Protocol::Feetech => "STS3215",
+            Protocol::FeetechScs => "SCS0009",
         };
         let model = Model::named(name).expect("a model");
         let config = EmulatorConfig {
@@ -75,7 +76,8 @@ proptest! {
                 prop_assert!(servo.most_current() <= stall_current);
                 prop_assert!(servo.goal().is_finite());
                 let position = servo.get(Registers::of(protocol).position);
-                prop_assert!(!feetech || (0..4096).contains(&position), "{}", position);
+                let wraps = protocol != Protocol::Dynamixel;
+                prop_assert!(!wraps || (0..model.counts).contains(&position), "{}", position);
             }
         }
     }

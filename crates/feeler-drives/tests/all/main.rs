@@ -10,11 +10,13 @@ mod hostile_master;
 mod modes;
 mod packets;
 mod positions;
+mod scs;
 mod shared;
 #[cfg(target_os = "linux")]
 #[path = "../support/mod.rs"]
 mod support;
 mod terminal;
+mod timing;
 
 use assert_no_alloc::AllocDisabler;
 

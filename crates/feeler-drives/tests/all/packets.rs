@@ -287,10 +287,7 @@ fn byte() -> impl Strategy<Value = u8> {
 
 fn protocol() -> impl Strategy<Value = (Protocol, Sender)> {
     let sender = prop_oneof![Just(Sender::Master), Just(Sender::Servo)];
-    (
-        prop_oneof![Just(Protocol::Dynamixel), Just(Protocol::Feetech)],
-        sender,
-    )
+    (prop::sample::select(&Protocol::ALL[..]), sender)
 }
 
 proptest! {
@@ -349,7 +346,7 @@ proptest! {
 #[test]
 fn hostile_bytes_do_not_stop_the_decoder() {
     let count = how_many("FEELER_FUZZ_BUS", 200_000);
-    for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
+    for protocol in Protocol::ALL {
         for sender in [Sender::Master, Sender::Servo] {
             let packets = hostile(protocol, sender, count);
             assert!(packets > 0, "no packet of {protocol:?} survived");

@@ -17,17 +17,18 @@ const LARGEST: i64 = 2047;
 /// Writes `offset` to the homing offset of servo 1 and reads it back.
 fn set_offset(bus: &Lockstep, config: &DrivesConfig, offset: i64) -> i64 {
     let registers = Registers::of(config.protocol);
+    let homing_offset = registers.homing_offset.expect("a homing offset");
     let how = (config.protocol, config.baud_rate);
     let mut master = Bus::on(Box::new(bus.clone()), how, 0.004, bus.clock());
     if let Some(lock) = registers.lock {
         master.write(1, lock, 0).unwrap();
     }
-    master.write(1, registers.homing_offset, offset).unwrap();
+    master.write(1, homing_offset, offset).unwrap();
     if let Some(lock) = registers.lock {
         master.write(1, lock, 1).unwrap();
     }
     bus.wait(0.01);
-    master.read(1, registers.homing_offset).unwrap()
+    master.read(1, homing_offset).unwrap()
 }
 
 /// A joint turns through the wrap of its servo, for homing offsets of either sign up to the largest.
@@ -39,7 +40,7 @@ fn a_feetech_servo_turns_through_its_wrap() {
         // The encoder is at half a turn. The reported position is `2048 - offset`, near which the wrap is moved by
         // half a turn more for each case.
         joint.homing_offset = 0.0;
-        let begin = joint.angle((2048 - offset) as f64);
+        let begin = joint.position((2048 - offset) as f64 / 4096.0 * TAU);
         let middle = (finger().joint_lower() + finger().joint_upper()) / 2.0;
         joint.homing_offset = middle[0] - begin;
         let emulator = EmulatorConfig::of(&config, 1);
@@ -49,7 +50,7 @@ fn a_feetech_servo_turns_through_its_wrap() {
                 .joints()
                 .skip(1)
                 .enumerate()
-                .map(|(i, joint)| joint.counts(middle[(i + 1) % 3]) / 4096.0 * TAU),
+                .map(|(i, joint)| joint.horn(middle[(i + 1) % 3])),
         );
         let plant = feeler_drives::emulator::LagPlant::new(0.01, &angles);
         let lockstep = Lockstep::new(&emulator, Box::new(plant));
@@ -134,14 +135,54 @@ fn a_range_across_the_wrap_is_refused_in_position_mode() {
 /// The servo itself keeps the joint within its limits.
 #[test]
 fn a_feetech_servo_in_position_mode_gets_the_limits_of_its_joint() {
-    let config = config_in(Protocol::Feetech, DriveMode::Position, 1);
-    let rig = Rig::of(config).unwrap_or_else(|error| panic!("{error}"));
-    let registers = Registers::of(Protocol::Feetech);
-    let [lower, upper] = registers.position_limits.map(|limit| rig.get(limit));
-    // 120, 150 and 150 degrees.
-    let ranges: Vec<_> = upper.iter().zip(&lower).map(|(u, l)| u - l).collect();
-    assert_eq!(ranges, [1366, 1706, 1706]);
-    assert!((lower[0] + upper[0] - 4096).abs() <= 1);
+    // 120, 150 and 150 degrees of 360 and of 300.
+    for (protocol, expected, both_ends) in [
+        (Protocol::Feetech, [1366, 1706, 1706], 4096),
+        (Protocol::FeetechScs, [410, 512, 512], 1024),
+    ] {
+        let config = config_in(protocol, DriveMode::Position, 1);
+        let rig = Rig::of(config).unwrap_or_else(|error| panic!("{error}"));
+        let registers = Registers::of(protocol);
+        let [lower, upper] = registers.position_limits.map(|limit| rig.get(limit));
+        let ranges: Vec<_> = upper.iter().zip(&lower).map(|(u, l)| u - l).collect();
+        assert_eq!(ranges, expected);
+        assert!((lower[0] + upper[0] - both_ends).abs() <= 1);
+    }
+}
+
+/// The range of 120 degrees takes 205 counts to either side. A potentiometer neither wraps nor has an offset.
+#[test]
+fn a_range_beyond_a_potentiometer_is_refused() {
+    for (middle, within) in [
+        (512, true),
+        (206, true),
+        (203, false),
+        (817, true),
+        (820, false),
+    ] {
+        let mut config = config(Protocol::FeetechScs, 1);
+        let joint = &mut config.finger[0].joint[0];
+        joint.homing_offset = -(f64::from(middle) * 300.0 / 1024.0).to_radians();
+        let opened = hand_on(&bus(&config), &config);
+        match (opened.map(drop), within) {
+            (Ok(()), true) => {}
+            (Err(error), false) => {
+                let error = error.to_string();
+                let words = [
+                    "servo 1 (theta1 of finger 0)",
+                    "within 0 to 1023",
+                    "near 512",
+                    "home",
+                ];
+                assert!(
+                    words.iter().all(|word| error.contains(word)),
+                    "{middle}: {error}"
+                );
+            }
+            (Ok(()), false) => panic!("{middle}: beyond the potentiometer"),
+            (Err(error), true) => panic!("{middle}: {error}"),
+        }
+    }
 }
 
 /// Dynamixel servos add their homing offset and count turns.
@@ -156,7 +197,7 @@ fn a_dynamixel_in_position_mode_turns_over_several_turns() {
             let plant = plant(&config);
             let joint = &mut config.finger[0].joint[0];
             // The joint is 0 at the offset.
-            joint.homing_offset = -joint.turn(offset as f64);
+            joint.homing_offset = -joint.turn(offset as f64 / 4096.0 * TAU);
             let lockstep = Lockstep::new(&EmulatorConfig::of(&config, 1), plant);
             assert_eq!(set_offset(&lockstep, &config, offset), offset);
             let mut rig = Rig::on(lockstep, config).unwrap_or_else(|error| panic!("{error}"));

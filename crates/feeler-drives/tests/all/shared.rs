@@ -2,22 +2,20 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::{PERIOD, Rig, config, config_in, finger, share};
+use crate::support::{PERIOD, Rig, config, config_in, finger, model, share};
 use feeler::hand::{Hand, HandState, JointVector};
 use feeler_drives::config::{DrivesConfig, TorqueCalibration};
 use feeler_drives::emulator::BusFault;
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::{DriveMode, Registers};
 use feeler_drives::setup::{changes, named_servos, read_angles, servo_range};
-use std::f64::consts::TAU;
 
-const PROTOCOLS: [Protocol; 2] = [Protocol::Dynamixel, Protocol::Feetech];
-/// Counts by which a joint may miss its target: friction stops the emulated motor of a position mode.
-const STUCK: f64 = 16.0;
+/// Angle of the horn by which a joint may miss its target (rad): friction stops the emulated motor of a position mode.
+const STUCK: f64 = 0.0245;
 
 fn each_mode(test: impl Fn(Rig)) {
-    for protocol in PROTOCOLS {
-        for mode in DriveMode::ALL {
+    for protocol in Protocol::ALL {
+        for &mode in DriveMode::supported(protocol) {
             test(rig(share(config_in(protocol, mode, 2))));
         }
     }
@@ -56,7 +54,7 @@ fn counts(config: &DrivesConfig, state: &HandState) -> Vec<f64> {
     // The inverse of the equation in the documentation of the table [drives].
     let counts = joints.map(|(joint, position)| {
         let turn = (position - joint.homing_offset) * joint.gear_ratio * f64::from(joint.direction);
-        turn * 4096.0 / TAU
+        model(config.protocol).to_counts(turn)
     });
     counts.collect()
 }
@@ -75,7 +73,8 @@ fn both_joints_are_measured_by_one_servo() {
             for (joint, counts) in counts.iter().enumerate() {
                 // Feetech servos report positions within a turn.
                 let away = counts - reported[joint % 3] as f64;
-                let away = (away + 2048.0).rem_euclid(4096.0) - 2048.0;
+                let turn = model(rig.config.protocol).counts as f64;
+                let away = (away + turn / 2.0).rem_euclid(turn) - turn / 2.0;
                 // Noise, and motion since the measurement.
                 assert!(away.abs() < 4.0, "joint {joint}: {counts}, {reported:?}");
             }
@@ -116,13 +115,13 @@ fn a_servo_follows_the_slowest_of_its_joints() {
 /// The first joint opens to the other side, like the rack on the other side of a pinion.
 #[test]
 fn joints_may_move_in_opposite_directions() {
-    for protocol in PROTOCOLS {
+    for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
         let mut config = share(config_in(protocol, DriveMode::Velocity, 2));
         let middle = (finger().joint_lower() + finger().joint_upper()) / 2.0;
         let first = config.finger[0].joint[0].clone();
         let other = &mut config.finger[1].joint[0];
         other.direction = -first.direction;
-        other.homing_offset = middle[0] - other.turn(first.counts(middle[0]));
+        other.homing_offset = middle[0] - other.turn(first.horn(middle[0]));
         let mut rig = rig(config);
         let moved = move_by(&mut rig, [0.2, -0.1]);
         // Reading takes up to 8 % of a period in addition.
@@ -136,8 +135,9 @@ fn joints_may_move_in_opposite_directions() {
 /// theta2 of finger 1 moves 1.25 times as far as theta2 of finger 0, and reaches its limit first.
 #[test]
 fn the_tighter_limits_apply() {
-    for protocol in PROTOCOLS {
-        for mode in [DriveMode::Position, DriveMode::CurrentLimitedPosition] {
+    for protocol in Protocol::ALL {
+        let modes = DriveMode::supported(protocol).iter();
+        for &mode in modes.filter(|&&mode| mode != DriveMode::Velocity) {
             let mut rig = rig(share(config_in(protocol, mode, 2)));
             let registers = Registers::of(protocol);
             let servo = rig.config.finger[0].joint[1].clone();
@@ -189,9 +189,9 @@ fn a_joint_beyond_its_limits_stops_the_hand() {
     let middle = (finger().joint_lower() + finger().joint_upper()) / 2.0;
     let first = &mut config.finger[0].joint[0];
     first.gear_ratio = 40.0;
-    let counts = first.counts(middle[0]);
+    let horn = first.horn(middle[0]);
     let other = &mut config.finger[1].joint[0];
-    other.homing_offset = middle[0] - other.turn(counts);
+    other.homing_offset = middle[0] - other.turn(horn);
     let mut rig = rig(config);
     rig.period(0.0).unwrap();
     rig.emulator.inject(BusFault::Jump(1));
@@ -221,7 +221,8 @@ fn either_joint_can_be_jogged() {
                 .map(|finger| rig.state.joints[finger].position - begin.joints[finger].position);
             assert!((moved[finger][0] - velocity).abs() < 0.015, "{moved:?}");
             assert!((moved[0][0] - 2.0 * moved[1][0]).abs() < 1e-9, "{moved:?}");
-            assert!(moved[0][1].abs() < 0.003 && moved[0][2].abs() < 0.003);
+            let still = 0.0015 + model(rig.config.protocol).to_angle(1.0);
+            assert!(moved[0][1].abs() < still && moved[0][2].abs() < still);
         }
         // theta1 of finger 0 would move at 0.3 rad/s.
         let error = rig.hand.jog(1, 0, 0.15).unwrap_err().to_string();
@@ -336,9 +337,17 @@ fn mistakes_in_ids_and_keys_are_refused() {
         &["finger[1].joint[0].model", "no value with shared = true"],
     );
     refused(
-        &|c| c.finger[1].joint[0].mode = DriveMode::Position,
+        &|c| c.finger[1].joint[0].mode = Some(DriveMode::Position),
         &[
             "finger[1].joint[0].mode = \"position\"",
+            "no value with shared = true",
+        ],
+    );
+    // Also the default.
+    refused(
+        &|c| c.finger[1].joint[0].mode = Some(DriveMode::Velocity),
+        &[
+            "finger[1].joint[0].mode = \"velocity\"",
             "no value with shared = true",
         ],
     );

@@ -13,8 +13,17 @@ use feeler_drives::emulator::{EmulatedBus, EmulatorConfig, LagPlant, Lockstep};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::SYNC_WRITE;
-use feeler_drives::registers::{COUNTS_PER_TURN, DriveMode, Register, Registers};
-use std::f64::consts::TAU;
+use feeler_drives::registers::{DriveMode, Model, Register, Registers};
+
+/// Model of the servos of [`config`].
+pub fn model(protocol: Protocol) -> &'static Model {
+    let name = match protocol {
+        Protocol::Dynamixel => "XL330-M077",
+        Protocol::Feetech => "STS3215",
+        Protocol::FeetechScs => "SCS0009",
+    };
+    Model::named(name).expect("a model")
+}
 
 /// Maximum age of the joint angles of a command (s).
 pub const MAX_AGE: f64 = 0.035;
@@ -34,14 +43,16 @@ pub fn finger() -> FingerGeometry {
     FingerGeometry::new(&config).expect("a finger")
 }
 
-/// Configuration of servos with `protocol` and different offsets, directions and gear ratios.
+/// Configuration of servos with `protocol`, in the first mode that they support, and different offsets, directions and gear
+/// ratios.
 pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
     let mut config = DrivesConfig::emulated(&vec![vec![false; 3]; fingers]);
     config.protocol = protocol;
     config.reply_timeout = 0.004;
-    if protocol == Protocol::Feetech {
+    if protocol != Protocol::Dynamixel {
         (config.fast_sync_read, config.bus_watchdog, config.baud_rate) = (false, 0.0, 1_000_000);
     }
+    let middle = (finger().joint_lower() + finger().joint_upper()) / 2.0;
     for (index, joint) in config
         .finger
         .iter_mut()
@@ -52,11 +63,23 @@ pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
         joint.homing_offset = 0.3 * index as f64;
         joint.gear_ratio = 1.0 + index as f64;
         joint.current_limit = Some(0.65);
-        if protocol == Protocol::Feetech {
-            (joint.model, joint.gear_ratio) = ("STS3215".into(), 1.0);
+        match protocol {
+            Protocol::Dynamixel => {}
+            Protocol::Feetech => (joint.model, joint.gear_ratio) = ("STS3215".into(), 1.0),
+            Protocol::FeetechScs => {
+                (joint.model, joint.gear_ratio) = ("SCS0009".into(), 1.0);
+                (joint.mode, joint.current_limit) = (Some(DriveMode::Position), None);
+                centre(joint, middle[index % 3]);
+            }
         }
     }
     config
+}
+
+/// Lets the servo of `joint` be in the middle of its range when the joint is at `position` (rad).
+fn centre(joint: &mut JointDriveConfig, position: f64) {
+    let half = joint.known_model().expect("a model").range / 2.0;
+    joint.homing_offset = position - joint.turn(half);
 }
 
 /// Limit of the current in current-limited position mode (A).
@@ -68,14 +91,13 @@ pub fn config_in(protocol: Protocol, mode: DriveMode, fingers: usize) -> DrivesC
     let middle = (finger().joint_lower() + finger().joint_upper()) / 2.0;
     let joints = config.finger.iter_mut().flat_map(|f| &mut f.joint);
     for (index, joint) in joints.enumerate() {
-        joint.mode = mode;
+        joint.mode = Some(mode);
         if mode == DriveMode::CurrentLimitedPosition {
             joint.current_limit = Some(CURRENT_LIMIT);
         }
         if protocol == Protocol::Feetech && mode != DriveMode::Velocity {
-            // The middle of the range is at 2048 counts, far from the wrap.
-            let half_turn = f64::from(joint.direction) * TAU / 2.0;
-            joint.homing_offset = middle[index % 3] - half_turn;
+            // Far from the wrap.
+            centre(joint, middle[index % 3]);
         }
     }
     config
@@ -91,13 +113,12 @@ pub fn share(mut config: DrivesConfig) -> DrivesConfig {
         *joint = JointDriveConfig {
             shared: true,
             model: String::new(),
-            mode: DriveMode::Velocity,
+            mode: None,
             current_limit: None,
             gear_ratio: servo.gear_ratio * [2.0, 0.8, 1.0][index],
             ..servo.clone()
         };
-        let counts = servo.counts(middle[index]);
-        joint.homing_offset = middle[index] - joint.turn(counts);
+        joint.homing_offset = middle[index] - joint.turn(servo.horn(middle[index]));
     }
     config
 }
@@ -107,7 +128,7 @@ pub fn plant(config: &DrivesConfig) -> Box<LagPlant> {
     let geometry = finger();
     let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
     let servos = config.servos().enumerate();
-    let angles = servos.map(|(i, servo)| servo.counts(middle[i % 3]) / COUNTS_PER_TURN * TAU);
+    let angles = servos.map(|(i, servo)| servo.horn(middle[i % 3]));
     Box::new(LagPlant::new(0.01, &angles.collect::<Vec<_>>()))
 }
 
@@ -214,12 +235,13 @@ impl Rig {
     pub fn positions(&self) -> Vec<f64> {
         let position = Registers::of(self.config.protocol).position;
         let bus = self.emulator.servos();
-        let counts = |id: u8| {
+        let horn = |id: u8| {
             let servo = bus.servos().iter().find(|servo| servo.id == id);
-            servo.expect("a servo").get(position) as f64
+            let servo = servo.expect("a servo");
+            servo.model.to_angle(servo.get(position) as f64)
         };
         let joints = self.config.joints();
-        joints.map(|joint| joint.angle(counts(joint.id))).collect()
+        joints.map(|joint| joint.position(horn(joint.id))).collect()
     }
 
     /// Waits until the bus has executed all instructions.
@@ -233,7 +255,7 @@ pub fn ages_of_goal_positions(bus: &EmulatedBus, protocol: Protocol) -> Vec<(f64
     let goal = Registers::of(protocol).goal_position;
     let (data, stride) = match protocol {
         Protocol::Dynamixel => (4, 5),
-        Protocol::Feetech => (2, 3),
+        Protocol::Feetech | Protocol::FeetechScs => (2, 3),
     };
     let mut newest = f64::NEG_INFINITY;
     let mut before = Vec::new();
@@ -262,7 +284,7 @@ pub fn ages_of_commands(bus: &EmulatedBus, protocol: Protocol) -> Vec<(f64, f64)
     for entry in bus.log().entries() {
         let (address, stride) = match protocol {
             Protocol::Dynamixel => (4, 5),
-            Protocol::Feetech => (2, 3),
+            Protocol::Feetech | Protocol::FeetechScs => (2, 3),
         };
         if entry.instruction == 0 {
             newest = entry.time;

@@ -43,6 +43,7 @@ fn checked(config: &ExperimentConfig) -> Checker {
         let fingers = config.hand.finger.iter();
         let prismatic: Vec<_> = fingers.map(FingerDescription::is_prismatic).collect();
         drives.check("drives", &prismatic, &mut checker);
+        drives.check_period("drives", config.control.period, &mut checker);
         check_shared_servos(&config.task, drives, &mut checker);
     }
     if let Some(ros2) = &config.ros2 {

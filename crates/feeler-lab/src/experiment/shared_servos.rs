@@ -77,9 +77,9 @@ impl Moved<'_> {
 
     /// Distance of the fingertip from home (m) if the joint of `first` has its home position.
     fn distance(&self, first: &Self) -> f64 {
-        let counts = first.drive.counts(first.home[first.name.joint]);
+        let horn = first.drive.horn(first.home[first.name.joint]);
         let joint = self.name.joint;
-        let away = self.drive.angle(counts) - self.home[joint];
+        let away = self.drive.position(horn) - self.home[joint];
         let columns = jacobian(self.geometry, self.home);
         columns.columns()[joint].length() * away.abs()
     }

@@ -3,7 +3,7 @@
 use super::{EmulatedServo, TABLE, error, mode};
 use crate::health::OVERLOAD;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Register};
+use crate::registers::Register;
 
 /// Maximum goal position in modes without limits, counts: 256 turns.
 const MULTI_TURN: i64 = 1_048_575;
@@ -24,11 +24,15 @@ impl EmulatedServo {
             Protocol::Dynamixel if address < 7 || end > 120 => return error::ACCESS,
             Protocol::Dynamixel if address < 64 && torque => return error::ACCESS,
             // The factory's registers are writable, too.
-            Protocol::Feetech if address < 5 || end > 87 || (56..80).contains(&address) => {
+            Protocol::Feetech | Protocol::FeetechScs
+                if address < 5 || end > 87 || (56..80).contains(&address) =>
+            {
                 return error::ACCESS;
             }
             // A real servo loses values written to its locked EEPROM on restart; here they are ignored.
-            Protocol::Feetech if address < 40 && self.table[55] != 0 => return 0,
+            Protocol::Feetech | Protocol::FeetechScs if address < 40 && self.is_locked() => {
+                return 0;
+            }
             _ => {}
         }
         if let Err(error) = self.check_goal(address, bytes) {
@@ -45,6 +49,12 @@ impl EmulatedServo {
         0
     }
 
+    /// Returns `true` if the EEPROM is locked.
+    fn is_locked(&self) -> bool {
+        let lock = self.registers().lock;
+        lock.is_some_and(|lock| self.get(lock) != 0)
+    }
+
     /// Checks the value of a goal that an instruction writes to `address`.
     fn check_goal(&self, address: usize, bytes: &[u8]) -> Result<(), u8> {
         let registers = self.registers();
@@ -52,8 +62,8 @@ impl EmulatedServo {
             .velocity_limit
             .map_or(self.model.velocity_limit, |limit| self.get(limit));
         let [lower, upper] = registers.position_limits.map(|limit| self.get(limit));
-        let within_a_turn = self.get(registers.mode) == mode::WITHIN_A_TURN;
-        let most = self.get(registers.current_limit);
+        let within_a_turn = self.mode() == mode::WITHIN_A_TURN;
+        let most = registers.current_limit.map_or(0, |limit| self.get(limit));
         let goals = [
             (Some(registers.goal_velocity), -limit..=limit),
             (registers.goal_current, -most..=most),
@@ -63,7 +73,7 @@ impl EmulatedServo {
                     (Protocol::Dynamixel, true) => lower..=upper,
                     (Protocol::Dynamixel, false) => -MULTI_TURN..=MULTI_TURN,
                     // Limited when it is followed.
-                    (Protocol::Feetech, _) => i64::MIN..=i64::MAX,
+                    (Protocol::Feetech | Protocol::FeetechScs, _) => i64::MIN..=i64::MAX,
                 },
             ),
         ];
@@ -90,36 +100,46 @@ impl EmulatedServo {
         let registers = self.registers();
         let is = |register: Register| address == usize::from(register.address);
         match self.model.protocol {
-            Protocol::Dynamixel if is(registers.mode) => self.reset_goals(),
+            Protocol::Dynamixel if registers.mode.is_some_and(is) => self.reset_goals(),
             // Position control within a turn forgets turns.
             Protocol::Dynamixel
                 if is(registers.torque)
-                    && self.get(registers.mode) == mode::WITHIN_A_TURN
+                    && self.mode() == mode::WITHIN_A_TURN
                     && self.get(registers.torque) == 1 =>
             {
                 self.forget_turns();
             }
             Protocol::Feetech if is(registers.torque) => match self.get(registers.torque) {
-                0 => {
-                    let fault = self.get(registers.fault);
-                    self.put(registers.fault, fault & !i64::from(OVERLOAD));
-                    self.restart_motor();
-                }
+                0 => self.end_overload(),
                 SET_MIDDLE => self.set_middle(),
                 _ => {}
             },
+            Protocol::FeetechScs if is(registers.goal_position) => self.end_overload(),
             _ => {}
+        }
+    }
+
+    /// Ends an overload, if any.
+    fn end_overload(&mut self) {
+        let register = self.registers().fault;
+        let fault = self.get(register);
+        if fault & i64::from(OVERLOAD) != 0 {
+            self.put(register, fault & !i64::from(OVERLOAD));
+            self.restart_motor();
         }
     }
 
     /// Sets the homing offset so that the present position becomes the middle of the turn.
     fn set_middle(&mut self) {
         let registers = self.registers();
-        let turn = COUNTS_PER_TURN as i64;
-        let encoder = self.get(registers.position) + self.get(registers.homing_offset);
+        let Some(register) = registers.homing_offset else {
+            return;
+        };
+        let turn = self.model.counts;
+        let encoder = self.get(registers.position) + self.get(register);
         let offset = encoder.rem_euclid(turn) - turn / 2;
         // Sign and magnitude of 11 bits.
-        self.put(registers.homing_offset, offset.max(1 - turn / 2));
+        self.put(register, offset.max(1 - turn / 2));
         self.put(registers.torque, 0);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{EmulatedServo, mode};
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, WATCHDOG_UNIT};
+use crate::registers::WATCHDOG_UNIT;
 
 /// Time for which a restarted servo is silent, s.
 const RESTART: f64 = 0.3;
@@ -13,7 +13,7 @@ impl EmulatedServo {
         let registers = self.registers();
         let first_of_ram = match self.model.protocol {
             Protocol::Dynamixel => 64,
-            Protocol::Feetech => 40,
+            Protocol::Feetech | Protocol::FeetechScs => 40,
         };
         let lock = registers.lock;
         let position = self.get(registers.position);
@@ -63,7 +63,7 @@ impl EmulatedServo {
             return;
         }
         self.put(register, -1);
-        let (mode, limit) = (self.get(registers.mode), registers.goal_current);
+        let (mode, limit) = (self.mode(), registers.goal_current);
         let before = limit.map_or(0, |goal| self.get(goal));
         self.reset_goals();
         if let (Some(goal), mode::CURRENT_LIMITED) = (limit, mode) {
@@ -75,8 +75,9 @@ impl EmulatedServo {
     /// Restarts the count of turns, so that the position without the homing offset is within a turn.
     pub(super) fn forget_turns(&mut self) {
         let registers = self.registers();
-        let turn = COUNTS_PER_TURN as i64;
-        let position = self.get(registers.position) - self.get(registers.homing_offset);
+        let turn = self.model.counts;
+        let offset = registers.homing_offset.map_or(0, |offset| self.get(offset));
+        let position = self.get(registers.position) - offset;
         let forgotten = position.div_euclid(turn) * turn;
         self.jump -= forgotten;
         let reported = self.get(registers.position) - forgotten;

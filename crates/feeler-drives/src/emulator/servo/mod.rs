@@ -7,8 +7,7 @@ mod motion;
 use super::motor::{Motor, Wish};
 use super::plant::Motion;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers};
-use std::f64::consts::TAU;
+use crate::registers::{Model, Register, Registers};
 
 /// Size of a control table, bytes.
 const TABLE: usize = 256;
@@ -75,8 +74,13 @@ impl EmulatedServo {
         };
         let registers = servo.registers();
         servo.put(registers.model, model.number);
-        servo.put(registers.current_limit, 500);
-        servo.put(registers.position_limits[1], COUNTS_PER_TURN as i64 - 1);
+        if let Some(limit) = registers.current_limit {
+            servo.put(limit, 500);
+        }
+        servo.put(registers.position_limits[1], model.counts - 1);
+        if let Some(lock) = registers.lock {
+            servo.put(lock, 1);
+        }
         if let Some(shutdown) = registers.shutdown {
             // Overload, electrical shock, overheating.
             servo.put(shutdown, 0x34);
@@ -94,9 +98,8 @@ impl EmulatedServo {
                     servo.put(limit, model.velocity_limit);
                 }
             }
-            Protocol::Feetech => {
+            Protocol::Feetech | Protocol::FeetechScs => {
                 (servo.table[0], servo.table[1], servo.table[5]) = (3, 10, id);
-                servo.table[55] = 1;
             }
         }
         servo.reset_goals();
@@ -117,6 +120,11 @@ impl EmulatedServo {
     /// Returns the value of `register`.
     pub fn get(&self, register: Register) -> i64 {
         register.decode(&self.table[usize::from(register.address)..])
+    }
+
+    /// Operating mode; 0, a position mode, if the servo has no other.
+    fn mode(&self) -> i64 {
+        self.registers().mode.map_or(0, |mode| self.get(mode))
     }
 
     fn put(&mut self, register: Register, value: i64) {
@@ -155,7 +163,7 @@ impl EmulatedServo {
         match self.model.protocol {
             Protocol::Dynamixel if fault != 0 => error | 0x80,
             Protocol::Dynamixel => error,
-            Protocol::Feetech => fault,
+            Protocol::Feetech | Protocol::FeetechScs => fault,
         }
     }
 
@@ -170,16 +178,18 @@ impl EmulatedServo {
     }
 
     /// Position that the servo reports for the encoder's position in `counts`: offsets are added, and it is wrapped to
-    /// one turn if the servo's positions wrap.
+    /// one turn if the servo's positions wrap. A potentiometer reports its end if the horn is beyond it.
     fn reported(&self, counts: f64) -> f64 {
-        let registers = self.registers();
-        let offset = self.get(registers.homing_offset) as f64;
+        let offset = self.registers().homing_offset;
+        let offset = offset.map_or(0, |offset| self.get(offset)) as f64;
         let counts = counts + self.jump as f64;
-        let within_a_turn = self.get(registers.mode) == mode::WITHIN_A_TURN;
+        let within_a_turn = self.mode() == mode::WITHIN_A_TURN;
+        let turn = self.model.counts as f64;
         match self.model.protocol {
             Protocol::Dynamixel if within_a_turn && offset.abs() > QUARTER_TURN => counts,
             Protocol::Dynamixel => counts + offset,
-            Protocol::Feetech => (counts - offset).rem_euclid(COUNTS_PER_TURN),
+            Protocol::Feetech => (counts - offset).rem_euclid(turn),
+            Protocol::FeetechScs => counts.clamp(0.0, turn - 1.0),
         }
     }
 
@@ -189,9 +199,9 @@ impl EmulatedServo {
         self.put(registers.goal_velocity, 0);
         let position = self.get(registers.position);
         self.put(registers.goal_position, position);
-        if let Some(goal) = registers.goal_current {
-            let limit = self.get(registers.current_limit);
-            let is_limited = self.get(registers.mode) == mode::CURRENT_LIMITED;
+        if let (Some(goal), Some(limit)) = (registers.goal_current, registers.current_limit) {
+            let limit = self.get(limit);
+            let is_limited = self.mode() == mode::CURRENT_LIMITED;
             self.put(goal, if is_limited { limit } else { 0 });
         }
         if let Some(limit) = registers.output_limit {
@@ -212,7 +222,7 @@ impl EmulatedServo {
     ) {
         let registers = self.registers();
         self.watch(now);
-        let counts = (motion.angle * COUNTS_PER_TURN / TAU + noise).round();
+        let counts = (self.model.to_counts(motion.angle) + noise).round();
         let counts = self.reported(counts) as i64;
         self.put(registers.position, counts);
         let units = (motion.velocity / self.model.velocity_unit).round() as i64;
@@ -222,9 +232,10 @@ impl EmulatedServo {
             0 => 0.0,
             _ => current_noise * self.model.stall.1,
         };
-        let current = (self.motor.current + current_noise) / self.model.current_unit;
-        let current = current.round() as i64;
-        self.put(registers.current, current);
+        if let Some(register) = registers.current {
+            let current = (self.motor.current + current_noise) / self.model.current_unit;
+            self.put(register, current.round() as i64);
+        }
         let load = (units as f64 / self.model.velocity_limit as f64)
             .abs()
             .min(1.0);

@@ -5,8 +5,7 @@ use crate::emulator::motor::{Limits, Wish};
 use crate::emulator::plant::Motion;
 use crate::health::OVERLOAD;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, DriveMode};
-use std::f64::consts::TAU;
+use crate::registers::DriveMode;
 
 impl EmulatedServo {
     /// Maximum current that the servo allows in its mode, A.
@@ -14,8 +13,8 @@ impl EmulatedServo {
         let registers = self.registers();
         let unit = self.model.current_unit;
         let (_, stall_current) = self.model.stall;
-        let limit = self.get(registers.current_limit) as f64 * unit;
-        match (self.model.protocol, self.get(registers.mode)) {
+        let limit = registers.current_limit.map_or(0, |limit| self.get(limit)) as f64 * unit;
+        match (self.model.protocol, self.mode()) {
             (Protocol::Dynamixel, mode::CURRENT) => limit.min(stall_current),
             (Protocol::Dynamixel, mode::CURRENT_LIMITED) => {
                 let goal = registers.goal_current.map_or(0, |goal| self.get(goal));
@@ -35,7 +34,12 @@ impl EmulatedServo {
         if self.get(registers.torque) == 0 {
             return None;
         }
-        let (protocol, number) = (self.model.protocol, self.get(registers.mode));
+        let (protocol, number) = (self.model.protocol, self.mode());
+        let limits = registers.position_limits.map(|limit| self.get(limit));
+        if protocol == Protocol::FeetechScs && limits == [0, 0] {
+            // A motor without control, which nothing here uses.
+            return None;
+        }
         let is = |mode: DriveMode| mode.number(protocol) == number;
         if is(DriveMode::Velocity) {
             let goal = self.get(registers.goal_velocity) as f64;
@@ -61,16 +65,16 @@ impl EmulatedServo {
         let registers = self.registers();
         let [lower, upper] = registers.position_limits.map(|limit| self.get(limit));
         let goal = match self.get(registers.goal_position) {
-            goal if self.model.protocol == Protocol::Feetech => goal.min(upper).max(lower),
+            goal if self.model.protocol != Protocol::Dynamixel => goal.min(upper).max(lower),
             goal => goal,
         };
-        let rest = goal as f64 - self.reported(angle * COUNTS_PER_TURN / TAU);
+        let rest = goal as f64 - self.reported(self.model.to_counts(angle));
         let fastest = match self.get(registers.profile_velocity).abs() {
             0 => f64::INFINITY,
             units => units as f64 * self.model.velocity_unit,
         };
         Wish::Position {
-            rest: rest * TAU / COUNTS_PER_TURN,
+            rest: self.model.to_angle(rest),
             fastest,
         }
     }
@@ -98,7 +102,8 @@ impl EmulatedServo {
     }
 
     /// Reacts to a persistent overload. A Dynamixel switches its torque off, if its shutdown register contains this
-    /// fault. A Feetech servo limits its current until torque is switched on again.
+    /// fault. A Feetech servo limits its current until torque is switched on again, an SCS servo until it gets a new
+    /// goal position.
     fn overload(&mut self) {
         let registers = self.registers();
         let fault = self.get(registers.fault);

@@ -3,10 +3,8 @@
 use feeler::hand::{JointVector, jacobian};
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::emulator::{Motion, Plant};
-use feeler_drives::registers::COUNTS_PER_TURN;
 use feeler_sim::rig::SimRig;
 use feeler_sim::world::World;
-use std::f64::consts::TAU;
 
 /// Fraction of a step by which the world may step early, because timestamps are not exact multiples of the step.
 const STEP_TOLERANCE: f64 = 1e-6;
@@ -71,7 +69,7 @@ impl WorldPlant {
                 }
                 self.loads[*servo] = load;
                 self.motions[*servo] = Motion {
-                    angle: joint.counts(angle) * TAU / COUNTS_PER_TURN,
+                    angle: joint.horn(angle),
                     velocity: joint.servo_velocity(velocity),
                 };
             }
