@@ -15,8 +15,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Maximum angle of a jog (deg, or mm of a prismatic joint).
 pub(super) const MOST: f64 = 10.0;
-/// Time (s) that a joint may take in addition to the time computed from its speed.
-pub(super) const GRACE: f64 = 1.0;
+/// Time (s) that a joint may take in addition to the time computed from its speed. Servos with coarse encoders and
+/// friction move only when the goal is several counts away, which takes a slow joint two seconds.
+pub(super) const GRACE: f64 = 3.0;
 
 pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = arguments.rig.load()?;

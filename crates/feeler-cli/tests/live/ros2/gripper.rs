@@ -178,9 +178,9 @@ fn a_gripper_holds_an_object_until_it_is_put_down() {
     // Load / (utilisation x friction) = 1 / (0.7 x 0.5) N, with the lag of goals.
     let most = told["most_grip"].as_f64().expect("a force");
     assert!((2.5..4.5).contains(&most), "{told}");
-    // Home again, to within the task's tolerance.
+    // Home again, to within the task's tolerance of 2 mm.
     let home = told["position"].as_f64().expect("a position");
-    assert!((home - 0.010).abs() < 1e-3, "{told}");
+    assert!((home - 0.010).abs() < 2e-3, "{told}");
 }
 
 #[test]

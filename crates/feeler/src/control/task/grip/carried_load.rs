@@ -21,6 +21,8 @@ pub(super) struct CarriedLoad {
     present: DVec3,
     /// Mean shear that remains from closing, before the object is lifted (N, in W).
     closing: DVec3,
+    /// Smallest shear while it settles (N, in W), and the grip at that time (N).
+    smallest: (DVec3, f64),
     /// Mean load while the object is carried (N, in W).
     mean: DVec3,
     /// Time at which the object was first loaded (s); `None` before.
@@ -37,17 +39,19 @@ impl CarriedLoad {
             threshold,
             present: DVec3::ZERO,
             closing: DVec3::ZERO,
+            smallest: (DVec3::ZERO, 0.0),
             mean: DVec3::ZERO,
             since: None,
             start: None,
         }
     }
 
-    /// Updates the estimate with the mean `shear` of the fingers (N, in W) at time `stamp` (s), `interval` (s) after
-    /// the previous one.
-    pub fn update(&mut self, shear: DVec3, stamp: f64, interval: f64) {
+    /// Updates the estimate with the mean `shear` (N, in W) and the `grip` force (N) of the fingers at time `stamp` (s),
+    /// `interval` (s) after the previous one.
+    pub fn update(&mut self, shear: DVec3, grip: f64, stamp: f64, interval: f64) {
         let Some(start) = self.start else {
-            (self.start, self.present, self.closing) = (Some(stamp), shear, shear);
+            (self.start, self.present) = (Some(stamp), shear);
+            self.smallest = (shear, grip);
             return;
         };
         self.present += part(interval, PRESENT) * (shear - self.present);
@@ -57,21 +61,27 @@ impl CarriedLoad {
             }
             return;
         }
-        let change = if stamp - start < SETTLING {
+        let (before, change) = if stamp - start < SETTLING {
+            self.closing = shear;
             // The finger that touched first pushes the object, until the other one presses as hard: only an increase is
-            // a load.
-            if self.present.length() < self.closing.length() {
-                self.closing = self.present;
+            // a load, unless the grip increases as much.
+            if self.present.length() < self.smallest.0.length() {
+                self.smallest = (self.present, grip);
             }
-            self.present.length() - self.closing.length()
+            let (smallest, then) = self.smallest;
+            let increase = (grip / then).max(1.0);
+            (
+                smallest,
+                self.present.length() - smallest.length() * increase,
+            )
         } else {
             self.closing += part(interval, CLOSING) * (shear - self.closing);
-            self.present.distance(self.closing)
+            (self.closing, self.present.distance(self.closing))
         };
         if change > self.threshold {
             self.since = Some(stamp);
             // The shear from closing may point anywhere.
-            self.mean = self.present - self.closing;
+            self.mean = self.present - before;
         }
     }
 
@@ -104,7 +114,7 @@ mod tests {
     /// Applies a constant `shear` along -z for `steps` of 10 ms from `start` (s).
     fn apply(load: &mut CarriedLoad, shear: f64, start: f64, steps: u32) -> f64 {
         for step in 0..steps {
-            load.update(-shear * DVec3::Z, start + 0.01 * f64::from(step), 0.01);
+            load.update(-shear * DVec3::Z, 1.0, start + 0.01 * f64::from(step), 0.01);
         }
         start + 0.01 * f64::from(steps)
     }
@@ -137,5 +147,16 @@ mod tests {
             apply(&mut lifted, shear, 0.01 * f64::from(step), 1);
         }
         assert!(lifted.is_carried());
+    }
+
+    #[test]
+    fn shear_that_increases_with_the_grip_is_no_load() {
+        let mut pressed = CarriedLoad::new(0.06);
+        for step in 0..20 {
+            let grip = 1.0 + f64::from(step);
+            let stamp = 0.01 * f64::from(step);
+            pressed.update(0.1 * grip * DVec3::Y, grip, stamp, 0.01);
+        }
+        assert!(!pressed.is_carried());
     }
 }

@@ -185,7 +185,7 @@ impl Grip {
             self.partial_slip.update_friction(interval);
         }
         self.carried
-            .update(self.load_vector(), hand.stamp, interval);
+            .update(self.load_vector(), self.grip(), hand.stamp, interval);
         // Neither shear from closing nor shear against the carried load counts: something supports the object from below.
         let load = if !self.carried.is_carried() || self.carried.is_supported() {
             0.0
