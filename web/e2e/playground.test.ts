@@ -174,7 +174,10 @@ test("a phone shows the page without scrolling sideways", { skip }, async () => 
   const { page } = await opened("", { viewport: { width: 390, height: 800 } });
   await page.click("button.primary");
   // Forces make the tables of the fingertips wider.
-  await page.locator(".fingertip td", { hasText: /^0\.\d+\sN$/ }).first().waitFor();
+  await page
+    .locator(".fingertip td", { hasText: /^0\.\d+\sN$/ })
+    .first()
+    .waitFor();
   const width = await page.evaluate(() => document.documentElement.scrollWidth);
   assert.ok(width <= 390, `${width} px`);
 });
