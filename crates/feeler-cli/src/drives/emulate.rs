@@ -69,10 +69,13 @@ fn said(emulator: &Emulator) -> Vec<LogEntry> {
 
 /// Emulates unloaded servos, each in the middle of its first turn or of its range.
 fn alone(arguments: &EmulateArguments, clock: RigClock) -> Result<Emulator, CommandError> {
-    let (protocol, name) = match arguments.protocol.as_str() {
-        "feetech" => (Protocol::Feetech, "STS3215"),
-        "feetech-scs" => (Protocol::FeetechScs, "SCS0009"),
-        _ => (Protocol::Dynamixel, "XL330-M288"),
+    let mut protocols = Protocol::ALL.into_iter();
+    let protocol = protocols.find(|known| known.name() == arguments.protocol);
+    let protocol = protocol.ok_or("unknown protocol")?;
+    let name = match protocol {
+        Protocol::Dynamixel => "XL330-M288",
+        Protocol::Feetech => "STS3215",
+        Protocol::FeetechScs => "SCS0009",
     };
     let model = MODELS.iter().find(|model| model.name == name);
     let model = model.ok_or("unknown servo model")?;

@@ -27,7 +27,7 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     }
     let mut bus = rig.open()?;
     let mut settings = Vec::new();
-    // A servo stands before the joints that share it.
+    // The first joint of a servo precedes the joints that share it.
     let mut positions = BTreeMap::new();
     for ((joint, drive), &angle) in named_joints(&rig.config).zip(&angles) {
         let (model, counts) = match positions.get(&joint.id) {

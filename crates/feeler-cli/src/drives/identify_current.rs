@@ -64,10 +64,10 @@ pub fn identify(
         writeln!(out, "interrupted; torque is off")?;
         return Ok(Outcome::GivenUp);
     };
-    let effort_unit = drive.effort_unit();
-    let found = identify_torque(&samples, effort_unit).map_err(|error| error.to_string())?;
+    let found =
+        identify_torque(&samples, drive.effort_unit()).map_err(|error| error.to_string())?;
     let setting = setting(place, &found);
-    report(&found, effort_unit, out)?;
+    report(&found, drive, out)?;
     match file {
         Some(file) => file.write(&rig, &[setting], out)?,
         None => writeln!(out, "set {setting}, or write it with --output FILE")?,
@@ -124,9 +124,17 @@ fn plan(
     Ok(Outcome::Done)
 }
 
-/// Prints a calibration, with efforts in `unit`.
-fn report(found: &TorqueCalibration, unit: &str, out: &mut dyn Write) -> Result<(), CommandError> {
-    let name = if unit == "N" { "force" } else { "torque" };
+/// Prints the calibration of `drive`.
+fn report(
+    found: &TorqueCalibration,
+    drive: &JointDriveConfig,
+    out: &mut dyn Write,
+) -> Result<(), CommandError> {
+    let unit = drive.effort_unit();
+    let name = match drive.travel_per_turn {
+        None => "torque",
+        Some(_) => "force",
+    };
     writeln!(
         out,
         "{name} constant {:.4} +- {:.4} {unit}/A, friction {:.4} +- {:.4} {unit} (standard errors)",

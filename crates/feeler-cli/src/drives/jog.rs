@@ -138,9 +138,8 @@ fn move_joint(
     let interrupted = watch_for_interrupt()?;
     let jog = Jog {
         rig,
+        arguments,
         joint: moved,
-        by: arguments.by,
-        speed: arguments.speed,
         unit: (unit, size),
         period,
         patience,
@@ -176,11 +175,8 @@ fn move_joint(
 /// Slow motion of a joint.
 struct Jog<'a> {
     rig: &'a ServoRig,
+    arguments: &'a JogArguments,
     joint: JointName,
-    /// Distance, in the joint's display unit.
-    by: f64,
-    /// Speed, in display units per second.
-    speed: f64,
     /// Display unit, and its size in rad or m.
     unit: (&'static str, f64),
     /// Control period, s.
@@ -200,16 +196,17 @@ struct Motion {
 }
 
 impl Jog<'_> {
-    /// Moves the joint until it arrives, the time runs out or an interrupt.
+    /// Moves the joint until it arrives, the time runs out, or the user interrupts it.
     fn run(&self, hand: &mut DriveHand) -> Result<Motion, CommandError> {
         let JointName { finger, joint, .. } = self.joint;
         let mut state = HandState::zero(self.rig.fingers.len());
         hand.read(&mut state)?;
         let begin = state.joints[finger].position[joint];
         let (_, size) = self.unit;
-        let target = begin + self.by * size;
+        let JogArguments { by, speed, .. } = *self.arguments;
+        let target = begin + by * size;
         self.check_target(begin, target)?;
-        let velocity = self.speed * size * self.by.signum();
+        let velocity = speed * size * by.signum();
         let mut pace = FixedRate::new(self.period)?;
         let mut left = self.patience;
         while let Some(tick) = pace.next_tick(self.interrupted) {
@@ -236,7 +233,7 @@ impl Jog<'_> {
         if (lower..=upper).contains(&target) {
             return Ok(());
         }
-        let (by, (unit, size)) = (self.by, self.unit);
+        let (by, (unit, size)) = (self.arguments.by, self.unit);
         let [lower, upper, from, to] = [lower, upper, begin, target].map(|end| end / size);
         Err(format!(
             "--by {by}: expected a target from {lower:.1} to {upper:.1} {unit}, got {to:.1} {unit} (starting at {from:.1} {unit})"

@@ -26,7 +26,7 @@ use crate::options::{Overwrite, parse_between};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Protocols of servos, as in an experiment file.
+/// Names of the protocols of servos, also if servos are not compiled in.
 const PROTOCOLS: [&str; 3] = ["dynamixel", "feetech", "feetech-scs"];
 
 #[derive(Debug, clap::Args)]

@@ -79,7 +79,7 @@ fn scan_at(
     Ok(found)
 }
 
-/// Describes a servo by its registers. Also returns its protocol: packets do not tell the two series of Feetech apart.
+/// Describes a servo by its registers. Also returns its protocol, because both Feetech series use the same packets.
 fn describe(bus: &mut Bus, id: u8) -> Result<(Protocol, String), BusError> {
     let protocol = match bus.protocol() {
         Protocol::Feetech if is_scs(bus, id)? => Protocol::FeetechScs,

@@ -2,7 +2,7 @@
 
 use super::{Bus, BusError};
 use crate::packet::instruction::{FAST_SYNC_READ, READ, SYNC_READ};
-use crate::packet::{BROADCAST, Decoder, complete_blocks, fast_blocks};
+use crate::packet::{BROADCAST, Decoder, complete_blocks, fast_blocks, fast_status_length};
 
 impl Bus {
     /// Reads the same `part` (address, length) of the servos `ids`: by a sync read, in a single response packet if `fast`,
@@ -65,8 +65,7 @@ impl Bus {
         mut each: impl FnMut(usize, u8, &[u8]),
     ) -> Result<(), BusError> {
         self.send(BROADCAST, FAST_SYNC_READ)?;
-        let whole = 8 + ids.len() * (length + 4);
-        let deadline = self.deadline(whole);
+        let deadline = self.deadline(fast_status_length(ids.len(), length));
         let blamed = |decoder: &Decoder| {
             let arrived = complete_blocks(decoder.pending(), length);
             ids.get(arrived)

@@ -53,11 +53,8 @@ impl JointDriveConfig {
             ("torque_limit", number(self.torque_limit)),
             ("torque", self.torque.map(|_| "a calibration".into())),
         ];
-        for (name, value) in given {
-            let Some(value) = value else { continue };
-            let expected = "no value: SCS servos measure no current";
-            checker.require(&field(name), value, false, expected);
-        }
+        let expected = "no value: SCS servos measure no current";
+        refuse_given(key, given, expected, checker);
     }
 
     /// Checks zero and direction of the joint.
@@ -158,6 +155,20 @@ impl JointDriveConfig {
                 false,
                 "none, as the joint is revolute; use gear_ratio",
             ),
+        }
+    }
+}
+
+/// Reports every field of `given` that has a value, for which none is allowed.
+pub(super) fn refuse_given<const N: usize>(
+    key: &str,
+    given: [(&str, Option<String>); N],
+    expected: &str,
+    checker: &mut Checker,
+) {
+    for (field, value) in given {
+        if let Some(value) = value {
+            checker.require(&format!("{key}.{field}"), value, false, expected);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Checks of servos that move joints of several fingers.
 
 use super::JointDriveConfig;
+use super::check_joint::refuse_given;
 use feeler::check::Checker;
 
 /// Joints checked so far: id of the servo, finger, and `true` if the servo is shared.
@@ -48,10 +49,7 @@ impl JointDriveConfig {
             ("torque_limit", number(self.torque_limit)),
             ("torque", self.torque.map(|_| "a calibration".into())),
         ];
-        for (field, value) in given {
-            let Some(value) = value else { continue };
-            let expected = "no value with shared = true; set it at the first joint of the servo";
-            checker.require(&format!("{key}.{field}"), value, false, expected);
-        }
+        let expected = "no value with shared = true; set it at the first joint of the servo";
+        refuse_given(key, given, expected, checker);
     }
 }

@@ -2,8 +2,8 @@
 
 use super::DrivesConfig;
 use crate::bus::BITS_PER_BYTE;
-use crate::packet::Protocol;
-use crate::registers::{GoalKind, Registers};
+use crate::packet::{Protocol, fast_status_length};
+use crate::registers::{GoalKind, Registers, TORQUE_TO_WATCHDOG, VOLTAGE_TO_TEMPERATURE};
 use feeler::check::Checker;
 
 impl DrivesConfig {
@@ -46,7 +46,7 @@ impl DrivesConfig {
         let request = instruction_bytes(protocol, part_bytes(protocol) + servos);
         request
             + match self.fast_sync_read {
-                true => protocol.before_parameters() + servos * (length + 4),
+                true => fast_status_length(servos, length),
                 false => servos * protocol.status_length(length),
             }
     }
@@ -69,13 +69,16 @@ impl DrivesConfig {
 
     /// Bytes of a query of a servo's health.
     fn health_bytes(&self) -> usize {
-        let parts: &[usize] = match self.protocol {
-            // From torque to watchdog, and from voltage to temperature.
-            Protocol::Dynamixel => &[35, 3],
-            Protocol::Feetech | Protocol::FeetechScs => &[1],
-        };
-        let parts = parts.iter();
-        parts.map(|&part| read_bytes(self.protocol, part)).sum()
+        let protocol = self.protocol;
+        match protocol {
+            Protocol::Dynamixel => [TORQUE_TO_WATCHDOG, VOLTAGE_TO_TEMPERATURE]
+                .map(|(_, length)| read_bytes(protocol, length))
+                .iter()
+                .sum(),
+            Protocol::Feetech | Protocol::FeetechScs => {
+                read_bytes(protocol, Registers::of(protocol).torque.length)
+            }
+        }
     }
 }
 

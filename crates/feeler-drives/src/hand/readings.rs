@@ -5,15 +5,11 @@ use crate::bus::{ALERT, BusError};
 use crate::error::{DriveError, JointName};
 use crate::health::{Health, fault_names};
 use crate::packet::Protocol;
-use crate::registers::{Register, Registers};
+use crate::registers::{Register, Registers, TORQUE_TO_WATCHDOG, VOLTAGE_TO_TEMPERATURE};
 use crate::setup::{blame, read};
 
 /// Maximum plausible measured velocity, relative to the joint's speed limit; allows for overshoot.
 const SPEED_TOLERANCE: f64 = 2.0;
-/// Part (address, length) of a Dynamixel's control table from torque to bus watchdog.
-const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);
-/// Part (address, length) of a Dynamixel's control table from voltage to temperature.
-const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
 
 impl DriveHand {
     /// Reads position and velocity of all joints, and checks them.

@@ -41,6 +41,11 @@ pub fn complete_blocks(bytes: &[u8], length: usize) -> usize {
     bytes.len().saturating_sub(BEFORE_BLOCKS) / (length + AROUND_DATA)
 }
 
+/// Length of the joint response of a number of `servos` with `length` bytes of data each, without byte stuffing.
+pub fn fast_status_length(servos: usize, length: usize) -> usize {
+    BEFORE_BLOCKS + servos * (length + AROUND_DATA)
+}
+
 /// Encodes the joint response of servos into `bytes`, replacing its content. Used by emulators. Does not check that all
 /// `blocks` have the same length or that the packet is short enough.
 pub fn fast_status<'a>(blocks: impl Iterator<Item = FastBlock<'a>> + Clone, bytes: &mut Vec<u8>) {

@@ -15,7 +15,7 @@ mod fast_sync;
 pub use check::{crc, sum};
 pub use decoder::{Decoder, Packet, PacketError, Sender};
 pub use encode::{LONGEST, TooLong, encode};
-pub use fast_sync::{FastBlock, complete_blocks, fast_blocks, fast_status};
+pub use fast_sync::{FastBlock, complete_blocks, fast_blocks, fast_status, fast_status_length};
 
 use serde::{Deserialize, Serialize};
 

@@ -88,6 +88,10 @@ impl Registers {
 
 /// Unit of a Dynamixel's bus watchdog, s.
 pub const WATCHDOG_UNIT: f64 = 0.02;
+/// Part (address, length) of a Dynamixel's control table from torque to bus watchdog.
+pub(crate) const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);
+/// Part (address, length) of a Dynamixel's control table from voltage to temperature.
+pub(crate) const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
 
 #[cfg(test)]
 mod tests {

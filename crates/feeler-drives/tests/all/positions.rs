@@ -86,10 +86,31 @@ fn a_feetech_servo_turns_through_its_wrap() {
     }
 }
 
+/// Asserts that a hand opens if its range is `within` the positions of servo 1. Otherwise the error must name the servo, what
+/// is expected by these `words`, and homing.
+fn opens_if(within: bool, config: &DrivesConfig, words: &[&str]) {
+    let offset = config.finger[0].joint[0].homing_offset;
+    match (hand_on(&bus(config), config).map(drop), within) {
+        (Ok(()), true) => {}
+        (Err(error), false) => {
+            let error = error.to_string();
+            let mut words = words
+                .iter()
+                .chain(&["servo 1 (theta1 of finger 0)", "home"]);
+            assert!(
+                words.all(|word| error.contains(word)),
+                "offset {offset}: {error}"
+            );
+        }
+        (Ok(()), false) => panic!("offset {offset}: opened beyond the servo's positions"),
+        (Err(error), true) => panic!("offset {offset}: {error}"),
+    }
+}
+
 /// In position mode, a Feetech servo would turn the other way around to a goal beyond its wrap.
 #[test]
 fn a_range_across_the_wrap_is_refused_in_position_mode() {
-    let range = [-60f64, 60.0].map(|limit| limit.to_radians() / TAU * 4096.0);
+    // The range of 120 degrees takes 683 counts to either side.
     for (middle, within) in [
         (2048, true),
         (700, true),
@@ -104,24 +125,7 @@ fn a_range_across_the_wrap_is_refused_in_position_mode() {
         let joint = &mut config.finger[0].joint[0];
         joint.direction = 1;
         joint.homing_offset = -f64::from(middle) * TAU / 4096.0;
-        let opened = hand_on(&bus(&config), &config);
-        match (opened, within) {
-            (Ok(hand), true) => drop(hand),
-            (Err(error), false) => {
-                let error = error.to_string();
-                let words = [
-                    "servo 1 (theta1 of finger 0)",
-                    "position correction (address 31)",
-                    "home",
-                ];
-                assert!(
-                    words.iter().all(|word| error.contains(word)),
-                    "{middle}: {error}"
-                );
-            }
-            (Ok(_), false) => panic!("{middle}: {range:?} is across the wrap"),
-            (Err(error), true) => panic!("{middle}: {error}"),
-        }
+        opens_if(within, &config, &["position correction (address 31)"]);
     }
     // Velocity mode follows any wrap, and Dynamixel servos count turns in position mode.
     for config in [
@@ -163,25 +167,7 @@ fn a_range_beyond_a_potentiometer_is_refused() {
         let mut config = config(Protocol::FeetechScs, 1);
         let joint = &mut config.finger[0].joint[0];
         joint.homing_offset = -(f64::from(middle) * 300.0 / 1024.0).to_radians();
-        let opened = hand_on(&bus(&config), &config);
-        match (opened.map(drop), within) {
-            (Ok(()), true) => {}
-            (Err(error), false) => {
-                let error = error.to_string();
-                let words = [
-                    "servo 1 (theta1 of finger 0)",
-                    "within 0 to 1023",
-                    "near 512",
-                    "home",
-                ];
-                assert!(
-                    words.iter().all(|word| error.contains(word)),
-                    "{middle}: {error}"
-                );
-            }
-            (Ok(()), false) => panic!("{middle}: beyond the potentiometer"),
-            (Err(error), true) => panic!("{middle}: {error}"),
-        }
+        opens_if(within, &config, &["within 0 to 1023", "near 512"]);
     }
 }
 

@@ -44,7 +44,7 @@ fn checked(config: &ExperimentConfig) -> Checker {
         let prismatic: Vec<_> = fingers.map(FingerDescription::is_prismatic).collect();
         drives.check("drives", &prismatic, &mut checker);
         drives.check_period("drives", config.control.period, &mut checker);
-        check_shared_servos(&config.task, drives, &mut checker);
+        check_task_of_shared_servos(&config.task, drives, &mut checker);
     }
     if let Some(ros2) = &config.ros2 {
         let fingers = config.hand.finger.iter().enumerate();
@@ -93,7 +93,7 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
 }
 
 /// Requires a task that moves all fingers at the same speed if one servo moves joints of several fingers.
-fn check_shared_servos(task: &TaskConfig, drives: &DrivesConfig, checker: &mut Checker) {
+fn check_task_of_shared_servos(task: &TaskConfig, drives: &DrivesConfig, checker: &mut Checker) {
     let moves_alike = match task {
         TaskConfig::Grip(grip) => grip.law != GripLaw::Policy,
         _ => false,

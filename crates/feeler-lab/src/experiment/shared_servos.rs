@@ -86,7 +86,7 @@ impl Moved<'_> {
 }
 
 /// Checks that each servo of the table `[drives]` that moves joints of several fingers closes all of them, and that they
-/// are at home together. Without this, the servo stands still sooner or later, and the joint monitor stops the hand.
+/// are at home together. Otherwise, the servo eventually stands still, and the joint monitor stops the hand.
 ///
 /// # Errors
 /// If a finger is invalid, if the joints of a servo have no common range, or if they disagree in the task.

@@ -37,7 +37,7 @@ impl EmulatedServo {
         let (protocol, number) = (self.model.protocol, self.mode());
         let limits = registers.position_limits.map(|limit| self.get(limit));
         if protocol == Protocol::FeetechScs && limits == [0, 0] {
-            // A motor without control, which nothing here uses.
+            // With these limits the servo is a motor without position control, which is not emulated.
             return None;
         }
         let is = |mode: DriveMode| mode.number(protocol) == number;

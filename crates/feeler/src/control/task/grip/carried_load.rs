@@ -85,7 +85,7 @@ impl CarriedLoad {
         }
     }
 
-    /// Returns `true` from the first load on.
+    /// Returns `true` once a load has been detected.
     pub fn is_carried(&self) -> bool {
         self.since.is_some()
     }

@@ -56,9 +56,9 @@ pub struct GripConfig {
     /// Speed of release (m/s).
     #[serde(default = "default::return_speed")]
     pub return_speed: f64,
-    /// Maximum distance from home for a finger to count as returned (m). Fingers that one motor moves are not at home at
-    /// the same time: by default, the distance by which each has already retracted from the object. A backlash and an
-    /// error of the zero of 1 mm are usual for parallel grippers, and the posture after the release affects nothing else.
+    /// Maximum distance from home for a finger to count as returned (m). The default is the distance by which each finger
+    /// retracts from the object: fingers that share a motor do not reach home together, because backlash and homing
+    /// errors of 1 mm are common in parallel grippers.
     #[serde(default = "default::home_tolerance")]
     pub home_tolerance: f64,
     /// Start position and closing direction of each finger.
