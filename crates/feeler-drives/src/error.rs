@@ -41,7 +41,7 @@ pub enum DriveError {
         source: BusError,
     },
     /// The model of a servo differs from the configuration.
-    #[error("{joint} reports model {actual}: expected {expected}, a {name}")]
+    #[error("{joint} reports model {actual}: expected {expected} ({name})")]
     Model {
         /// The joint.
         joint: JointName,

@@ -192,11 +192,11 @@ fn tell(
 ) -> Result<Told, Box<dyn Error>> {
     let first = fitted(features.nrows());
     let kept = features.nrows() - first;
-    let learnt = features.rows(0, first).into_owned();
+    let learned = features.rows(0, first).into_owned();
     let known = target.rows(0, first).into_owned();
-    let (ridge, cross_validated) = choose_ridge(&learnt, &known);
+    let (ridge, cross_validated) = choose_ridge(&learned, &known);
     let rest = features.rows(first, kept).into_owned();
-    let predicted = Ridge::fit(&learnt, &known, ridge)?.predict(&rest);
+    let predicted = Ridge::fit(&learned, &known, ridge)?.predict(&rest);
     Ok(Told {
         region_radius,
         ridge,
@@ -226,8 +226,8 @@ fn features(
         }
     }
     for pin in 0..pins {
-        let learnt = 0..fitted(pictures.len());
-        let rows: Vec<usize> = learnt.filter(|&row| seen[(row, pin)]).collect();
+        let learned = 0..fitted(pictures.len());
+        let rows: Vec<usize> = learned.filter(|&row| seen[(row, pin)]).collect();
         let mean = |column: usize| {
             rows.iter().map(|&row| features[(row, column)]).sum::<f64>() / rows.len().max(1) as f64
         };

@@ -29,7 +29,7 @@ struct Entry {
 /// Returns the names of the built-in experiments and control laws as JSON: `{version, experiments: [name], laws: [name]}`.
 ///
 /// # Errors
-/// Never.
+/// Never; required by serde's signature.
 #[wasm_bindgen]
 pub fn catalogue() -> Result<String, JsError> {
     let catalogue = Catalogue {

@@ -26,7 +26,7 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
     let by = arguments.by;
     if by.is_nan() || by == 0.0 || by.abs() > MOST {
         return Err(format!(
-            "--by {by}: expected other than 0, at most {MOST} {unit} in either direction"
+            "--by {by}: expected a value other than 0, at most {MOST} {unit} in either direction"
         )
         .into());
     }

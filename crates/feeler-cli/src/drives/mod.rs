@@ -96,7 +96,7 @@ struct EmulateArguments {
 struct ScanArguments {
     /// Serial port, e.g. /dev/ttyUSB0.
     port: String,
-    /// Protocol of the servos, where `feetech` also finds those of `feetech-scs` [default: try both]
+    /// Protocol of the servos; `feetech` also finds `feetech-scs` servos [default: try both]
     #[arg(long, value_parser = ["dynamixel", "feetech"])]
     protocol: Option<String>,
     /// Baud rate of the bus [default: try the usual ones]
@@ -178,10 +178,10 @@ struct JogArguments {
     rig: RigArguments,
     #[command(flatten)]
     joint: JointArguments,
-    /// Angle or distance to move by (deg; mm of a prismatic joint), at most 10 in either direction.
+    /// Angle or distance to move by (deg; mm for a prismatic joint), at most 10 in either direction.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
-    /// Speed (deg/s; mm/s of a prismatic joint), at most 10.
+    /// Speed (deg/s; mm/s for a prismatic joint), at most 10; less if the servo moves another joint faster.
     #[arg(long, value_name = "DEG_PER_S", default_value = "3")]
     speed: f64,
 }
@@ -204,10 +204,10 @@ struct IdentifyArguments {
         required = true
     )]
     loads: Vec<f64>,
-    /// Sweep to either side (deg; mm of a prismatic joint), at most 10.
+    /// Sweep to either side (deg; mm for a prismatic joint), at most 10.
     #[arg(long, value_name = "DEG", default_value = "4")]
     by: f64,
-    /// Speed (deg/s; mm/s of a prismatic joint), at most 10.
+    /// Speed (deg/s; mm/s for a prismatic joint), at most 10; less if the servo moves another joint faster.
     #[arg(long, value_name = "DEG_PER_S", default_value = "6")]
     speed: f64,
     /// Number of sweeps in each direction, per load.

@@ -290,7 +290,7 @@ fn modes_are_checked_and_planned() {
         .refused(&["joint[1].mode", "current_limit, or torque_limit and torque"]);
     check(&["drives.finger.0.joint.0.mode=current"]).refused(&["current-limited-position"]);
     check(&["drives.finger.0.joint.0.leash=0.1"])
-        .refused(&["leash = 0.1", "none in velocity mode"]);
+        .refused(&["leash = 0.1", "no value in velocity mode"]);
     check(&["drives.finger.0.joint.0.torque_limit=0.1"]).refused(&["identify-current"]);
 }
 

@@ -323,11 +323,11 @@ fn jaws_that_one_servo_cannot_move_are_refused_before_a_run() {
         ),
         (
             &[("travel_per_turn", "0.03")],
-            "theta1 of finger 1 closes at 1.50 times its speed: expected 0.80 to 1.25",
+            "theta1 of finger 1 closes 1.50 times as fast (allowed: 0.80 to 1.25)",
         ),
         (
             &[("homing_offset", "0.0016")],
-            "0.0016 m from its home at the home of the first finger: expected at most 0.0015 m",
+            "with its finger at home, finger 1 is 0.0016 m from its own home (theta1): expected at most 0.0015 m",
         ),
         (&[("travel_per_turn", "0.024")], "0.0020 m from its home"),
     ] {
@@ -458,7 +458,8 @@ fn a_jog_by_zero_is_refused_and_a_lost_bus_may_leave_torque_on() {
             .into_iter()
             .chain(PATIENT),
     );
-    run(&folder, &[&jog[..], &["--by=0"]].concat()).refused(&["--by 0", "expected other than 0"]);
+    run(&folder, &[&jog[..], &["--by=0"]].concat())
+        .refused(&["--by 0", "expected a value other than 0"]);
     let fast = [
         "--by=1",
         "--set=drives.finger.1.joint.0.travel_per_turn=0.04",

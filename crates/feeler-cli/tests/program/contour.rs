@@ -72,9 +72,12 @@ fn friction_is_estimated_while_tracing() {
             "sim.variation.friction=0.0",
         ];
         let summary = draw(&folder, &format!("friction-{friction}"), CYLINDER, 0, &more);
-        let learnt = summary["findings"]["friction"].as_f64().unwrap();
+        let learned = summary["findings"]["friction"].as_f64().unwrap();
         // The force is controlled to within a few percent, which causes an error of the same size.
-        assert!((learnt - friction).abs() <= 0.1, "{learnt} for {friction}");
+        assert!(
+            (learned - friction).abs() <= 0.1,
+            "{learned} for {friction}"
+        );
     }
 }
 

@@ -44,7 +44,7 @@ impl DrivesConfig {
         let actual = self.finger.len();
         checker.require(
             &field("finger"),
-            format!("{actual} fingers"),
+            counted(actual, "finger"),
             actual == fingers,
             &format!("as many fingers as hand.finger ({fingers})"),
         );
@@ -77,12 +77,11 @@ impl DrivesConfig {
             let actual = drives.joint.len();
             let prismatic = prismatic.get(finger).map_or(&[false; 3][..], Vec::as_slice);
             let expected = prismatic.len();
-            let plural = if expected == 1 { "" } else { "s" };
             checker.require(
                 &key,
-                format!("{actual} joints"),
+                counted(actual, "joint"),
                 actual == expected,
-                &format!("{expected} joint{plural}, {}", thetas(expected)),
+                &format!("{}, {}", counted(expected, "joint"), thetas(expected)),
             );
             for (index, joint) in drives.joint.iter().enumerate() {
                 let key = format!("{key}[{index}]");
@@ -96,4 +95,9 @@ impl DrivesConfig {
             }
         }
     }
+}
+
+/// A number of things as text, e.g. "2 joints".
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }

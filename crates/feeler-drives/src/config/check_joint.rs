@@ -75,7 +75,7 @@ impl JointDriveConfig {
         let (mode, name) = (self.mode(), self.mode().name());
         if let Some(leash) = self.leash {
             checker.between(&field("leash"), leash, 1e-5, 1.0);
-            let expected = "none in velocity mode";
+            let expected = "no value in velocity mode; remove it, or set a position mode";
             checker.require(
                 &field("leash"),
                 leash.to_string(),
@@ -87,12 +87,13 @@ impl JointDriveConfig {
             &field("mode"),
             format!("{name:?}"),
             mode != DriveMode::CurrentLimitedPosition || self.most_current().is_some(),
-            "current_limit, or torque_limit and torque, beside this mode",
+            "current-limited-position only with current_limit, or with torque_limit and torque",
         );
         if let Some(limit) = self.torque_limit {
             checker.between(&field("torque_limit"), limit, 1e-3, 1000.0);
             let has_torque = self.torque.is_some();
-            let expected = "torque beside torque_limit; see `feeler drives identify-current`";
+            let expected =
+                "torque_limit only with torque; determine it with `feeler drives identify-current`";
             checker.require(
                 &field("torque_limit"),
                 limit.to_string(),
@@ -123,7 +124,7 @@ impl JointDriveConfig {
             field,
             limit.to_string(),
             current <= stall_current,
-            &format!("at most {most:.3}, torque.constant times the stall current of a {name}, {stall_current} A"),
+            &format!("at most {most:.3}, torque.constant times the stall current of model {name} ({stall_current} A)"),
         );
     }
 
@@ -146,7 +147,7 @@ impl JointDriveConfig {
                     &field("gear_ratio"),
                     self.gear_ratio.to_string(),
                     self.gear_ratio == 1.0,
-                    "1 beside travel_per_turn, which includes any gear",
+                    "1 with travel_per_turn, which includes any gear",
                 );
             }
             Some(travel) => checker.require(

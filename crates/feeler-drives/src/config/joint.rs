@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Maximum speed of a jogged revolute joint, rad/s.
-const JOG_SPEED: f64 = 0.2;
+const JOG_SPEED: f64 = 10_f64.to_radians();
 /// Maximum speed of a jogged prismatic joint, m/s.
 const PRISMATIC_JOG_SPEED: f64 = 0.01;
 
@@ -16,8 +16,8 @@ const PRISMATIC_JOG_SPEED: f64 = 0.01;
 pub struct JointDriveConfig {
     /// Id on the bus.
     pub id: u8,
-    /// `true` if the servo of an earlier finger, of the same `id`, also moves this joint, such as both jaws of a gripper with
-    /// one motor. Only `id`, `direction`, the transmission and `homing_offset` are then set here.
+    /// `true` if the servo of an earlier finger, of the same `id`, also moves this joint, as in a gripper with one
+    /// motor for both jaws. Only `id`, `direction`, the transmission and `homing_offset` are then set here.
     #[serde(default, skip_serializing_if = "is_false")]
     pub shared: bool,
     /// Servo model, e.g. `XL330-M288`. Empty if `shared`.

@@ -22,11 +22,11 @@ impl ServoIds {
         let (good, expected) = match shared {
             false => (
                 known.all(|known| known.2),
-                "an id used by no other joint, or shared = true beside it if one servo moves both",
+                "an id that no other joint uses; if one servo moves both, set shared = true for the later one",
             ),
             true => (
                 known.clone().any(|known| !known.2) && known.all(|known| known.1 < finger),
-                "the id of the servo of an earlier finger, because shared = true; at most one joint per finger may share it",
+                "the id of a servo of an earlier finger, because shared = true (at most one joint per finger)",
             ),
         };
         checker.require(field, id.to_string(), good, expected);

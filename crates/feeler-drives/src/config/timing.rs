@@ -1,4 +1,4 @@
-//! Time that a control period occupies the bus.
+//! Bus time required per control period.
 
 use super::DrivesConfig;
 use crate::bus::BITS_PER_BYTE;
@@ -21,7 +21,7 @@ impl DrivesConfig {
     }
 
     /// Maximum time for which the packets of a control period occupy the bus, s: reading and commanding all servos, and
-    /// querying the health of one. Byte stuffing, and delays of the servos and of the adapter, come in addition.
+    /// querying the health of one. Excludes byte stuffing and the delays of servos and adapter.
     pub fn bus_time(&self) -> f64 {
         let bytes = self.reading_bytes() + self.goal_bytes() + self.health_bytes();
         bytes as f64 * BITS_PER_BYTE / f64::from(self.baud_rate)
@@ -36,7 +36,7 @@ impl DrivesConfig {
         }
     }
 
-    /// Bytes of the exchange that reads all servos.
+    /// Number of bytes of the exchange that reads all servos.
     fn reading_bytes(&self) -> usize {
         let (protocol, servos) = (self.protocol, self.servos().count());
         let (_, length) = self.motion_part();
@@ -51,7 +51,7 @@ impl DrivesConfig {
             }
     }
 
-    /// Bytes of the sync writes of all goals.
+    /// Number of bytes of the sync writes of all goals.
     fn goal_bytes(&self) -> usize {
         let registers = Registers::of(self.protocol);
         let of_kind = |kind: GoalKind| {
@@ -67,7 +67,7 @@ impl DrivesConfig {
         GoalKind::ALL.into_iter().map(of_kind).sum()
     }
 
-    /// Bytes of a query of a servo's health.
+    /// Number of bytes of a query of a servo's health.
     fn health_bytes(&self) -> usize {
         let protocol = self.protocol;
         match protocol {
@@ -82,17 +82,17 @@ impl DrivesConfig {
     }
 }
 
-/// Bytes of a read of `length` bytes from one servo, with its response.
+/// Number of bytes of a read of `length` bytes from one servo, with its response.
 fn read_bytes(protocol: Protocol, length: usize) -> usize {
     instruction_bytes(protocol, part_bytes(protocol)) + protocol.status_length(length)
 }
 
-/// Bytes of an instruction with this number of bytes of parameters.
+/// Number of bytes of an instruction with this number of bytes of parameters.
 fn instruction_bytes(protocol: Protocol, parameters: usize) -> usize {
     protocol.before_parameters() + parameters + protocol.check_length()
 }
 
-/// Bytes that name a part of the control table: its address and length.
+/// Number of bytes that name a part of the control table: its address and length.
 fn part_bytes(protocol: Protocol) -> usize {
     match protocol {
         Protocol::Dynamixel => 4,

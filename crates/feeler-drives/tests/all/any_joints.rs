@@ -174,7 +174,7 @@ fn keys_of_another_kind_of_joint_are_refused() {
     );
     assert_eq!(
         refused(true, &|joint| joint.gear_ratio = 2.0),
-        "drives.finger[0].joint[0].gear_ratio = 2: expected 1 beside travel_per_turn, which includes any gear"
+        "drives.finger[0].joint[0].gear_ratio = 2: expected 1 with travel_per_turn, which includes any gear"
     );
     assert_eq!(
         refused(false, &|joint| joint.travel_per_turn = Some(0.04)),

@@ -11,8 +11,8 @@ use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::setup::{joints_of_servo, named_servos, servo_range};
 use glam::DVec3;
 
-/// Fraction of `home_tolerance` by which the homes of two fingers may disagree. The rest is for the servo, which friction
-/// stops before its goal: in position mode, the emulated ones by up to 16 counts, 0.5 mm at 125 mm of travel per turn.
+/// Fraction of `home_tolerance` by which the homes of two fingers may disagree. The rest allows for servos that
+/// friction stops short of their goal: emulated ones by up to 16 counts, 0.5 mm at 125 mm of travel per turn.
 const HOME_SHARE: f64 = 0.75;
 
 /// Error of a servo that cannot move joints of two fingers together.
@@ -28,9 +28,10 @@ pub enum SharedServoError {
         /// Joint that shares the servo.
         other: JointName,
     },
-    /// The fingers close at different speeds.
+    /// The fingers close at different speeds. The servo follows the slower command, and the hand stops if a joint lags
+    /// its command too far.
     #[error(
-        "{joint}: theta{} of finger {} closes at {ratio:.2} times its speed: expected {least:.2} to {:.2}, because the servo follows the slower command, and the hand stops if a joint lags its command further; check travel_per_turn or gear_ratio of both joints", other.joint + 1, other.finger, 1.0 / least
+        "{joint}: expected both fingers to close at similar speeds, but theta{} of finger {} closes {ratio:.2} times as fast (allowed: {least:.2} to {:.2}); check travel_per_turn or gear_ratio of both joints", other.joint + 1, other.finger, 1.0 / least
     )]
     Speeds {
         /// First joint of the servo.
@@ -44,7 +45,7 @@ pub enum SharedServoError {
     },
     /// The fingers are not at home together.
     #[error(
-        "{joint}: theta{} of finger {} is {distance:.4} m from its home at the home of the first finger: expected at most {limit:.4} m ({HOME_SHARE} times task.grip.home_tolerance); home the hand with both fingers at home (`feeler drives home`), and check direction and travel_per_turn of both joints", other.joint + 1, other.finger
+        "{joint}: with its finger at home, finger {} is {distance:.4} m from its own home (theta{}): expected at most {limit:.4} m ({HOME_SHARE} times task.grip.home_tolerance); run `feeler drives home` with both fingers at home, and check direction and travel_per_turn of both joints", other.finger, other.joint + 1
     )]
     Homes {
         /// First joint of the servo.
@@ -58,7 +59,7 @@ pub enum SharedServoError {
     },
 }
 
-/// A finger whose joint is moved by a servo of several joints, at home.
+/// Joint of a servo that moves several joints, with its finger at home.
 struct Moved<'a> {
     name: JointName,
     drive: &'a JointDriveConfig,
@@ -89,7 +90,8 @@ impl Moved<'_> {
 /// are at home together. Otherwise, the servo eventually stands still, and the joint monitor stops the hand.
 ///
 /// # Errors
-/// If a finger is invalid, if the joints of a servo have no common range, or if they disagree in the task.
+/// If a finger is invalid, if the joints of a servo have no common range, or if they close in opposite
+/// directions, at different speeds, or have different homes.
 pub fn check_shared_servos(config: &ExperimentConfig) -> Result<(), ExperimentError> {
     // Other tasks are refused with shared servos.
     let (Some(drives), TaskConfig::Grip(task)) = (&config.drives, &config.task) else {

@@ -46,7 +46,7 @@ impl Rates {
         let weights: Vec<f64> = raw.iter().map(|w| w / sum).collect();
         let parents = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
         let step = (parents + 2.0) / (n + parents + 5.0);
-        // A diagonal matrix has fewer degrees of freedom than a full one and is learnt faster.
+        // A diagonal matrix has fewer degrees of freedom than a full one and is learned faster.
         let faster = (n + 2.0) / 3.0;
         let rank_one = (2.0 / ((n + 1.3).powi(2) + parents) * faster).min(1.0);
         let rank_mu = 2.0 * (parents - 2.0 + 1.0 / parents) / ((n + 2.0).powi(2) + parents);

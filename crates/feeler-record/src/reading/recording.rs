@@ -91,7 +91,7 @@ pub struct Recording {
     pub experiment: String,
     /// Text of each calibration file named in the experiment, by name. Empty if forces were not calibrated.
     pub calibrations: BTreeMap<String, String>,
-    /// Learnt policy named in the experiment, if any.
+    /// Learned policy named in the experiment, if any.
     pub policy: Option<PolicyFile>,
     /// The end of the run.
     pub end: RunEnd,

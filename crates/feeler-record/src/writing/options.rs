@@ -13,7 +13,7 @@ pub struct RecordOptions {
     /// Text of each calibration file named in the experiment, by name. Not part of the digest, because the recorded
     /// forces show a change of calibration.
     pub calibrations: BTreeMap<String, String>,
-    /// Learnt policy, if the experiment names one as its control law. Not part of the digest, because the recorded
+    /// Learned policy, if the experiment names one as its control law. Not part of the digest, because the recorded
     /// commands show a change of policy.
     pub policy: Option<PolicyFile>,
     /// `true` if images will be recorded.
@@ -47,7 +47,7 @@ impl Default for RecordOptions {
     }
 }
 
-/// File of a learnt policy.
+/// File of a learned policy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PolicyFile {
     /// Name in the experiment.

@@ -1,4 +1,4 @@
-//! Observations of one finger as flat arrays of numbers, for learnt policies and Gymnasium environments.
+//! Observations of one finger as flat arrays of numbers, for learned policies and Gymnasium environments.
 //!
 //! Velocities and directions are in the fingertip frame `T`, so that one policy works for fingers that face each other.
 //! Forces are in the element frame `E_i`, as measured.

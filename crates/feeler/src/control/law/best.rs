@@ -161,7 +161,7 @@ impl Best {
             };
             if new {
                 let rate = self.config.learning_rate;
-                self.friction = learnt(self.friction, rate, *last, load);
+                self.friction = learned(self.friction, rate, *last, load);
                 *last = load;
             }
             grip.normal += load.normal;
@@ -222,7 +222,7 @@ fn inward(finger: &FingerReadings<'_>) -> Option<DVec3> {
 
 /// Returns the friction estimate after the load of one element has changed from `last` to `now`. A slip gives the
 /// coefficient itself; a sticking element gives a lower bound.
-fn learnt(friction: f64, rate: f64, last: Load, now: Load) -> f64 {
+fn learned(friction: f64, rate: f64, last: Load, now: Load) -> f64 {
     if last.normal < TELLING_FORCE || now.normal < TELLING_FORCE {
         return friction;
     }

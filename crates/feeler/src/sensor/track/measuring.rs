@@ -13,7 +13,7 @@ const MIN_CONTRAST: f64 = 0.3;
 
 impl MarkerTracker {
     /// Measures every marker at the displacement predicted in `work`. Updates `work` and `found`. Returns the number of
-    /// markers found in the previous image at whose predicted position another marker was measured.
+    /// markers that were found in the previous image, but now coincide with another marker.
     pub(super) fn measure(&mut self, pixels: &[u8]) -> usize {
         let mut mistaken = 0;
         for own in 0..self.reference.len() {

@@ -45,7 +45,7 @@ const DOUBT: f64 = 0.3;
 const QUICKLY_MATCHED: f64 = 0.95;
 /// Quality of a matching below which all markers are doubtful.
 const MIN_MATCHED: f64 = 0.85;
-/// Weight per image of a new, lower contrast in a marker's typical contrast.
+/// Smoothing factor per image with which a marker's typical contrast falls.
 const FADES: f64 = 0.02;
 /// Minimum fraction of markers found; if there are fewer, the image may not be of the sensor.
 const MIN_FOUND: f64 = 0.3;

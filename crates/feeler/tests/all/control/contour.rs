@@ -90,14 +90,14 @@ fn outline_points_lie_on_the_surface_once_friction_is_learned() {
             let direction = DVec2::from_angle(-lean).rotate(normal);
             // The force is too weak until the angle is learned, by a little in each step; then it is the target
             // force.
-            let mut learnt = 0.0;
-            while learnt < lean {
+            let mut learned = 0.0;
+            while learned < lean {
                 let rate = 5.0 * PERIOD;
-                let missing = (lean - learnt).min(0.4 * rate) / rate;
-                let magnitude = (CONTACT_FORCE - missing) / f64::cos(learnt);
+                let missing = (lean - learned).min(0.4 * rate) / rate;
+                let magnitude = (CONTACT_FORCE - missing) / f64::cos(learned);
                 advance(&mut task, DVec2::ZERO, magnitude * direction);
-                learnt += rate * missing;
-                if lean - learnt < 1e-12 {
+                learned += rate * missing;
+                if lean - learned < 1e-12 {
                     break;
                 }
             }

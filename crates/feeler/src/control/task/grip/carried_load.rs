@@ -63,8 +63,8 @@ impl CarriedLoad {
         }
         let (before, change) = if stamp - start < SETTLING {
             self.closing = shear;
-            // The finger that touched first pushes the object, until the other one presses as hard: only an increase is
-            // a load, unless the grip increases as much.
+            // The finger that touched first pushes the object until the other presses equally. So only an increase of
+            // the shear counts as a load, and only if it exceeds that of the grip.
             if self.present.length() < self.smallest.0.length() {
                 self.smallest = (self.present, grip);
             }

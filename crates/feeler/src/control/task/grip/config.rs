@@ -30,7 +30,7 @@ pub struct GripConfig {
     pub search_speed: f64,
     /// Maximum travel from home without contact (m). If a finger exceeds it, the hand is stopped.
     pub search_limit: f64,
-    /// Bandwidth of the force control (1/s): closing speed times contact stiffness, per missing force. It should not
+    /// Bandwidth of the force control (1/s): closing speed times contact stiffness, per force error. It should not
     /// exceed a third of the inverse delay from force to motion.
     #[serde(default = "default::bandwidth")]
     pub bandwidth: f64,
@@ -158,9 +158,9 @@ pub struct PartialSlipConfig {
     /// Fraction of the pressing force carried by each group of elements; the groups' ratios of shear to pressing force
     /// are compared.
     pub group_share: f64,
-    /// Fraction of the friction limit from which the contact may slip as a whole.
+    /// Fraction of the friction limit above which gross slip is assumed.
     pub slip_from: f64,
-    /// Factor on the grip force when the contact slips as a whole.
+    /// Maximum factor on the grip force during gross slip.
     pub slip_gain: f64,
     /// Initial friction coefficient, until a larger one is estimated.
     pub least_friction: f64,

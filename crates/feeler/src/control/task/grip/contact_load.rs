@@ -75,7 +75,7 @@ impl FingerLoad {
     /// Sums the loads on the `elements` of `finger`, which closes along `approach`. Elements are in contact above
     /// `touch_force` (N). Smaller forces are included in the sums, because they add up.
     ///
-    /// Shear and torsion limit each other like the axes of an ellipsoid (Howe and Cutkosky, Int. J. Robotics Research
+    /// Shear and torsion lie within an ellipsoidal limit surface (Howe and Cutkosky, Int. J. Robotics Research
     /// 15, 1996): with shear `S` (N) and torsion `M` (N·m), the contact slips at `(S / μN)² + (M / μ Σ n ρ)² = 1`,
     /// where `μ` is the friction coefficient, `N` the pressing force (N), and `n` the pressing force of an element at
     /// the distance `ρ` (m) from the centre of pressure.

@@ -1,4 +1,4 @@
-//! Force control of a gripper: computes the closing speed from the missing grip force and the estimated contact
+//! Force control of a gripper: computes the closing speed from the force error and the estimated contact
 //! stiffness.
 
 /// Sum of squared changes of the closing distance (m²) above which the weight of all earlier measurements is halved.
@@ -43,10 +43,10 @@ impl ForceControl {
     }
 
     /// Closing speed of each finger (m/s) at which the grip force changes at the rate `bandwidth` (1/s) times the
-    /// `missing` force (N).
-    pub fn speed(&self, missing: f64, bandwidth: f64) -> f64 {
+    /// force `error` (N): required minus present grip.
+    pub fn speed(&self, error: f64, bandwidth: f64) -> f64 {
         let stiffness = (self.products / self.squares).clamp(PLAUSIBLE.0, PLAUSIBLE.1);
-        bandwidth * missing / stiffness
+        bandwidth * error / stiffness
     }
 }
 

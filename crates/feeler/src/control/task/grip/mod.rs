@@ -40,8 +40,8 @@ const SLOW: f64 = 0.3;
 /// Duration of the load after which the inclination of the surface is taken into account (s); before that, the contact
 /// settles.
 const INCLINED_FROM: f64 = 0.2;
-/// Gain of the planned return to the position of the grasp, if a policy controls the fingers (1/s). It is low, so that
-/// the planned velocity is a measure of the finger's closing distance.
+/// Gain of the planned return to the position of the grasp, if a policy controls the fingers (1/s). Low, so that
+/// the planned velocity, which the policy observes, stays proportional to the distance from the grasp.
 const HOLDING: f64 = 1.0;
 /// Distance by which each finger retracts from the object before it returns (m).
 const CLEARANCE: f64 = 0.002;
@@ -186,7 +186,7 @@ impl Grip {
         }
         self.carried
             .update(self.load_vector(), self.grip(), hand.stamp, interval);
-        // Neither shear from closing nor shear against the carried load counts: something supports the object from below.
+        // No load: before lifting, the shear is from closing; once it has reversed, something supports the object.
         let load = if !self.carried.is_carried() || self.carried.is_supported() {
             0.0
         } else {

@@ -14,9 +14,10 @@ use glam::{DVec3, DVec4};
 
 /// Load below which its direction is considered unknown (N).
 const LEAST_LOAD: f64 = 0.05;
-/// Lower bound of the grip force in ratios (N).
+/// Minimum grip force by which a load is divided (N).
 const LEAST_GRIP: f64 = 0.03;
-/// Averaging time of the load (s). Without averaging, noise would raise the largest recent load with the sensor's rate.
+/// Averaging time of the load (s). Without averaging, the largest recent load would grow with the sensor's rate, because
+/// of noise.
 const AVERAGING_TIME: f64 = 0.005;
 
 /// Maximum factor by which the inclination of the surface increases the load. The inclination is uncertain if few tips
@@ -165,11 +166,11 @@ impl PartialSlip {
     }
 
     /// Like [`required`](Self::required), but for a given `friction` coefficient and fraction `utilisation` of the
-    /// friction limit that the load may use. The contact slips as a whole if the shear reaches the limit for the
+    /// friction limit that the load may use. Gross slip begins when the shear reaches the limit for the
     /// friction coefficient `edge`.
     ///
-    /// The shear of a contact that slips as a whole is limited by friction, so the load is unknown. The grip force is
-    /// then multiplied by a factor.
+    /// During gross slip, friction limits the shear, so the load is unknown. The grip force is then multiplied by a
+    /// factor.
     pub fn required_at(
         &self,
         utilisation: f64,
@@ -192,7 +193,7 @@ impl PartialSlip {
 /// the fraction `group_share` of the pressing force. Sorts `pressed`.
 ///
 /// Single elements are unsuitable: noise and the curvature of the object raise the ratio of some of them and lower that
-/// of others with similar pressing forces. So is the least pressed group: elements that have just come into contact
+/// of others with similar pressing forces. The least pressed group is unsuitable, too: elements that have just come into contact
 /// carry no shear.
 fn edge_ratio(pressed: &mut [(f64, f64)], group_share: f64) -> Option<f64> {
     pressed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));

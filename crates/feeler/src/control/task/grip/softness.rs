@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn forces_that_cannot_be_stay_plausible() {
+    fn impossible_forces_give_a_plausible_stiffness() {
         let mut softness = softness();
         softness.update(0.02, 0.1);
         softness.update(0.021, 5.0);
