@@ -66,7 +66,7 @@ pub enum DriveError {
     },
     /// A servo's velocity limit is below the joint's speed limit.
     #[error(
-        "{joint} is limited to {actual:.2} rad/s: expected at least {expected:.2} rad/s, joint_speed_limit times gear_ratio, or times 2 pi / travel_per_turn"
+        "{joint} is limited to {actual:.3} rad/s: expected at least {expected:.3} rad/s, joint_speed_limit times gear_ratio, or times 2 pi / travel_per_turn"
     )]
     VelocityLimit {
         /// The joint.

@@ -9,6 +9,15 @@ use crate::registers::{DriveMode, Model, Register, Registers};
 use crate::servo::{ServoJoint, ServoJoints};
 use feeler::hand::FingerGeometry;
 
+/// Returns `true` if the torque of the servo of `joint` is on.
+///
+/// # Errors
+/// If the servo does not answer.
+pub fn is_torque_on(bus: &mut Bus, joint: JointName) -> Result<bool, DriveError> {
+    let torque = Registers::of(bus.protocol()).torque;
+    Ok(read(bus, joint, torque)? != 0)
+}
+
 /// A value that must be changed in a servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Change {

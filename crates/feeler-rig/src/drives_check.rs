@@ -6,8 +6,8 @@ use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::registers::DriveMode;
 use feeler_drives::setup::{
-    Change, changes, check_fast_sync_read, check_model, joints_of_servo, named_servos, read_angles,
-    read_health, servo_range,
+    Change, changes, check_fast_sync_read, check_model, is_torque_on, joints_of_servo,
+    named_servos, read_angles, read_health, servo_range,
 };
 use feeler_drives::{DriveError, JointName, RigClock};
 use feeler_lab::config::Experiment;
@@ -77,8 +77,10 @@ pub fn check_servos(
     let config = &rig.config;
     writeln!(
         out,
-        "{} at {} Bd, {:?}",
-        config.port, config.baud_rate, config.protocol
+        "{} at {} Bd, {}",
+        config.port,
+        config.baud_rate,
+        config.protocol.name()
     )?;
     if dry_run {
         for (joint, drive) in named_servos(config) {
@@ -142,7 +144,7 @@ pub fn display_unit(drive: &JointDriveConfig) -> (&'static str, f64) {
     }
 }
 
-/// Checks one servo. Returns the positions of its joints as text, and the required setting changes.
+/// Checks one servo. Returns the positions of its joints as text, with a note if its torque is on, and the required setting changes.
 fn check_servo(
     bus: &mut Bus,
     config: &DrivesConfig,
@@ -165,6 +167,9 @@ fn check_servo(
             positions.push_str(&format!(", with theta{number} of finger {finger} at "));
         }
         positions.push_str(&format!("{:.2} {unit}", angle / size));
+    }
+    if is_torque_on(bus, joint)? {
+        positions.push_str(", torque is on");
     }
     Ok((positions, changes))
 }

@@ -22,6 +22,9 @@ use std::path::Path;
 /// Folder of pseudo-terminals. Servos there are emulated and may run at any speed.
 const PSEUDO_TERMINALS: &str = "/dev/pts";
 
+/// Addition to an error after which servos may still move.
+pub const TORQUE_MAY_BE_ON: &str = "torque may still be enabled: switch off the servos' supply";
+
 /// Options of a program that serves servos.
 #[derive(Debug, Clone)]
 pub struct DrivesOptions {
@@ -58,7 +61,7 @@ pub fn serve_drives(
     let name = &session.name;
     let network = session.connect(&[Right::Rig])?;
     let interrupted = watch_for_interrupt()?;
-    // Dropped after the program, which disables torque.
+    // Closed after torque is disabled.
     let (bus, rig, port) = open(options, experiment, RigClock::at_speed(speed))?;
     let mut program = RigProgram::new(rig, &config, network)?;
     program.set_warn(Warnings::on_stderr().warn());
@@ -70,12 +73,21 @@ pub fn serve_drives(
         "serving the servos of {name} on {port} with torque enabled; press Ctrl-C to stop"
     )?;
     out.flush()?;
-    program.run(&interrupted)?;
-    let report = program.report();
-    drop(program);
+    let ended = program.run(&interrupted).map_err(CommandError::from);
+    writeln!(out, "{}", program.report())?;
+    let is_off = program.into_rig().disable_torque();
     drop(bus);
-    writeln!(out, "{report}\ntorque is off")?;
-    Ok(Outcome::Done)
+    match (ended, is_off) {
+        (Ok(()), true) => {
+            writeln!(out, "torque is off")?;
+            Ok(Outcome::Done)
+        }
+        (Ok(()), false) => {
+            Err(format!("a servo did not confirm the end; {TORQUE_MAY_BE_ON}").into())
+        }
+        (Err(error), true) => Err(error),
+        (Err(error), false) => Err(format!("{error}; {TORQUE_MAY_BE_ON}").into()),
+    }
 }
 
 /// Returns the speed relative to real time.

@@ -16,7 +16,7 @@ use feeler_drives::registers::{DriveMode, Registers};
 use feeler_drives::setup::{joints_of_servo, servo_range};
 use feeler_drives::torque::{TorqueSample, identify_torque};
 use feeler_drives::{JointName, RigClock};
-use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
+use feeler_rig::{ServoRig, TORQUE_MAY_BE_ON, all_changes, display_unit, print_changes};
 use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -49,8 +49,9 @@ pub fn identify(
     }
     check_distance(&rig, by, (joint, drive))?;
     check_speed(&rig, arguments.speed, (joint, drive))?;
-    if arguments.loads.iter().any(|load| !load.is_finite()) {
-        return Err("--loads: expected numbers".into());
+    let loads = &arguments.loads;
+    if !loads.iter().all(|load| load.is_finite()) || loads.iter().all(|&load| load == loads[0]) {
+        return Err("--loads: expected at least two different numbers".into());
     }
     let file = NewExperiment::create(&arguments.output, &arguments.rig, &arguments.overwrite)?;
     if arguments.rig.dry_run {
@@ -59,9 +60,19 @@ pub fn identify(
     let mut sweeps = Sweeps::new(&rig, arguments, joint, size)?;
     let samples = sweeps.measure(&arguments.loads, out);
     let samples = samples.map_err(|error| disable_torque_after(&mut sweeps.hand, error))?;
+    if samples.is_some() {
+        let returned = sweeps.return_to_start();
+        returned.map_err(|error| disable_torque_after(&mut sweeps.hand, error))?;
+    }
+    let is_off = sweeps.hand.disable_torque().is_ok();
     drop(sweeps);
     let Some(samples) = samples else {
-        writeln!(out, "interrupted; torque is off")?;
+        let torque = if is_off {
+            "torque is off"
+        } else {
+            TORQUE_MAY_BE_ON
+        };
+        writeln!(out, "interrupted; {torque}")?;
         return Ok(Outcome::GivenUp);
     };
     let found =
@@ -275,6 +286,19 @@ impl Sweeps {
             }
         }
         Ok(false)
+    }
+
+    /// Moves the joint from the lower end to the middle, where it was before the first sweep.
+    fn return_to_start(&mut self) -> Result<(), CommandError> {
+        let (finger, joint) = self.place;
+        let middle = (self.ends[0] + self.ends[1]) / 2.0;
+        let mut left = (middle - self.ends[0]) / self.speed + GRACE;
+        while left > 0.0 && self.state.joints[finger].position[joint] < middle {
+            let Some(periods) = self.step()? else { break };
+            left -= periods as f64 * self.period;
+            self.hand.jog(finger, joint, self.speed)?;
+        }
+        Ok(self.hand.jog(finger, joint, 0.0)?)
     }
 
     /// Moves the joint to the end in `direction`. Returns the mean current of the later part of the way, A, or `None` if

@@ -9,7 +9,7 @@ use feeler_drives::config::JointDriveConfig;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::setup::{jog_speed, joints_of_servo, named_joints, servo_range};
 use feeler_drives::{DriveError, JointName, RigClock};
-use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
+use feeler_rig::{ServoRig, TORQUE_MAY_BE_ON, all_changes, display_unit, print_changes};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -246,8 +246,6 @@ impl Jog<'_> {
 pub(super) fn disable_torque_after(hand: &mut DriveHand, error: CommandError) -> CommandError {
     match hand.disable_torque() {
         Ok(()) => error,
-        Err(_) => {
-            format!("{error}; torque may still be enabled: switch off the servos' supply").into()
-        }
+        Err(_) => format!("{error}; {TORQUE_MAY_BE_ON}").into(),
     }
 }

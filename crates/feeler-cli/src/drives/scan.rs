@@ -32,7 +32,8 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
                 let (port, most) = (&arguments.port, arguments.largest_id);
                 writeln!(
                     out,
-                    "would ping {protocol:?} servos 0 to {most} on {port} at {rate} Bd; writes nothing"
+                    "would ping {} servos 0 to {most} on {port} at {rate} Bd; writes nothing",
+                    protocol.name()
                 )?;
                 continue;
             }
@@ -70,10 +71,12 @@ fn scan_at(
             }
         };
         match said {
-            Ok((protocol, said)) => writeln!(out, "{rate} Bd, {protocol:?}: servo {id}, {said}")?,
+            Ok((protocol, said)) => {
+                writeln!(out, "{rate} Bd, {}: servo {id}, {said}", protocol.name())?
+            }
             Err(error @ (BusError::Port(_) | BusError::Echo)) => return Err(error.into()),
             // Something is connected: two servos with one id, another baud rate or a loose cable.
-            Err(error) => writeln!(out, "{rate} Bd, {protocol:?}: {error}")?,
+            Err(error) => writeln!(out, "{rate} Bd, {}: {error}", protocol.name())?,
         }
     }
     Ok(found)

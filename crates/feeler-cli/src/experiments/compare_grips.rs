@@ -14,6 +14,7 @@ use feeler_lab::grips::{GripDifference, GripRow, GripScore, GripTrial, grip_over
 use feeler_report::pages::{GRIP_COLUMNS, GripsPage, grips_page, significant};
 use feeler_report::run::create_folder;
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::Write;
 
 /// Rows of each law, in the order of the laws.
@@ -29,8 +30,17 @@ pub fn compare_grips(
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let contenders = contenders(arguments, experiment)?;
-    create_folder(&arguments.out)
-        .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()))?;
+    let folder = arguments.out.display();
+    create_folder(&arguments.out).map_err(|e| format!("--out {folder}: {e}; expected a folder"))?;
+    let names = contenders.iter().map(|(name, _)| format!("{name}.csv"));
+    let parts = names.clone().map(|name| format!("{name}.part"));
+    let mut files = names.chain(parts).chain([PAGE.into()]);
+    let has_content = |path| fs::metadata(path).is_ok_and(|file| file.len() > 0);
+    if let Some(file) = files.find(|file| has_content(arguments.out.join(file))) {
+        return Err(
+            format!("--out {folder}: {file} exists already; expected another folder").into(),
+        );
+    }
     let mut outputs = Outputs::new(false, []);
     let page_file = outputs.create(&arguments.out.join(PAGE), "--out")?;
     let mut tables = Vec::new();
@@ -66,11 +76,11 @@ pub fn compare_grips(
 
 /// Returns the requested laws of the task: by default all, or only the policies if any are given.
 fn grip_laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
-    if arguments.trial.resume || !arguments.vary.is_empty() {
-        return Err(
-            "--resume and --vary: task.grip draws its own objects, and cannot continue a comparison"
-                .into(),
-        );
+    if arguments.trial.resume {
+        return Err("--resume: a comparison of grippers cannot be continued".into());
+    }
+    if !arguments.vary.is_empty() {
+        return Err("--vary: a comparison of grippers draws its own objects".into());
     }
     let named = |name: &String| {
         let mut all = GripLaw::ALL.into_iter();
@@ -82,7 +92,10 @@ fn grip_laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
     match &arguments.laws[..] {
         [] if !arguments.policies.is_empty() => Ok(Vec::new()),
         [] => Ok(GripLaw::ALL.to_vec()),
-        names => names.iter().map(named).collect(),
+        names => match (1..names.len()).find(|&later| names[..later].contains(&names[later])) {
+            Some(later) => Err(format!("--laws: {} is given twice", names[later]).into()),
+            None => names.iter().map(named).collect(),
+        },
     }
 }
 

@@ -202,7 +202,7 @@ fn scs_servos_are_found_checked_homed_and_turned() {
         "2",
     ];
     let scanned = run(&folder, &[&scan[..], &options].concat()).done();
-    let found = "FeetechScs: servo 6, SCS0009 (model 1284), 5.0 V, 25 degrees Celsius, at ";
+    let found = "feetech-scs: servo 6, SCS0009 (model 1284), 5.0 V, 25 degrees Celsius, at ";
     assert_eq!(scanned.lines().count(), 6, "{scanned}");
     assert!(scanned.contains(found), "{scanned}");
 
@@ -286,12 +286,22 @@ fn modes_are_checked_and_planned() {
         assert!(checked.contains(line), "no {line:?} in {checked}");
     }
     let without_limit = "drives.finger.0.joint.1.mode=current-limited-position";
-    check(&[without_limit])
-        .refused(&["joint[1].mode", "current_limit, or torque_limit and torque"]);
+    check(&[without_limit]).refused(&[
+        "joint[1].mode",
+        "only with current_limit, or with torque_limit and torque",
+    ]);
     check(&["drives.finger.0.joint.0.mode=current"]).refused(&["current-limited-position"]);
     check(&["drives.finger.0.joint.0.leash=0.1"])
         .refused(&["leash = 0.1", "no value in velocity mode"]);
     check(&["drives.finger.0.joint.0.torque_limit=0.1"]).refused(&["identify-current"]);
+    let torque = "drives.finger.0.joint.0.torque={ constant = 0.5, constant_error = 0.01, friction = 0, friction_error = 0 }";
+    for mode in ["velocity", "position"] {
+        let mode = format!("drives.finger.0.joint.0.mode=\"{mode}\"");
+        check(&[&mode, torque, "drives.finger.0.joint.0.torque_limit=0.1"])
+            .refused(&["torque_limit", "current-limited-position"]);
+    }
+    check(&["drives.bus_watchdog=0.02", "control.period=0.02"])
+        .refused(&["drives.bus_watchdog = 0.02", "more than control.period"]);
 }
 
 /// The torque constant of the emulated motors is 0.215 N m / 1.47 A, their friction 2 % of 0.215 N m, and the gear ratio 5.
@@ -336,13 +346,31 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
         &[&identify[..], &["--loads", "0,0.1", "--by", "11"]].concat(),
     )
     .refused(&["--by"]);
+    run(&folder, &[&identify[..], &["--loads", "0.1,0.1"]].concat())
+        .refused(&["--loads", "two different"]);
 
+    let position = || -> f64 {
+        let checked = run(&folder, &["drives", "check", "my.toml", "--port", &port]).done();
+        let (_, after) = checked
+            .split_once("(theta2 of finger 0): XL330-M077, ok, at ")
+            .expect("a joint");
+        after
+            .split(' ')
+            .next()
+            .expect("a position")
+            .parse()
+            .expect("a number")
+    };
+    let begin = position();
     let sweeps = [&identify[..], &["--loads", "0,0.1,0.2"]].concat();
     let said = sweep(&folder, &sweeps, |load| {
         // The servo turns in the other direction than the joint.
         bus.event(&format!("load=2:{}", -load / 5.0));
     });
     assert_eq!(said.matches("direction +").count(), 9, "{said}");
+    // It stops where it began, to within a period's motion.
+    let end = position();
+    assert!((end - begin).abs() < 0.3, "from {begin} to {end} deg");
     let text = std::fs::read_to_string(folder.join("identified.toml")).expect("the file");
     let text: toml::Table = text.parse().expect("TOML");
     let torque = &text["drives"]["finger"][0]["joint"][1]["torque"];
@@ -360,7 +388,12 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
         &folder,
         &[
             &check[..],
-            &["--set", "drives.finger.0.joint.1.torque_limit=0.2"],
+            &[
+                "--set",
+                "drives.finger.0.joint.1.torque_limit=0.2",
+                "--set",
+                "drives.finger.0.joint.1.mode=current-limited-position",
+            ],
         ]
         .concat(),
     )
@@ -374,7 +407,7 @@ fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
     with_drives(&folder);
     let scan = run(&folder, &["drives", "scan", "/dev/not-there", "--dry-run"]).done();
     assert!(
-        scan.contains("would ping Dynamixel servos 0 to 30 on /dev/not-there at 57600 Bd"),
+        scan.contains("would ping dynamixel servos 0 to 30 on /dev/not-there at 57600 Bd"),
         "{scan}"
     );
     let check = run(&folder, &["drives", "check", "my.toml", "--dry-run"]).done();

@@ -323,13 +323,16 @@ fn jaws_that_one_servo_cannot_move_are_refused_before_a_run() {
         ),
         (
             &[("travel_per_turn", "0.03")],
-            "theta1 of finger 1 closes 1.50 times as fast (allowed: 0.80 to 1.25)",
+            "theta1 of finger 1 closes 1.500 times as fast (allowed: 0.80 to 1.25)",
         ),
         (
             &[("homing_offset", "0.0016")],
             "with its finger at home, finger 1 is 0.0016 m from its own home (theta1): expected at most 0.0015 m",
         ),
-        (&[("travel_per_turn", "0.024")], "0.0020 m from its home"),
+        (
+            &[("travel_per_turn", "0.024")],
+            "0.0020 m from its own home",
+        ),
     ] {
         let settings = second_jaw(settings);
         let set = settings.iter().flat_map(|setting| ["--set", setting]);

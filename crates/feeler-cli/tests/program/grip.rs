@@ -115,7 +115,12 @@ fn laws_are_compared_on_the_same_objects() {
         assert!(number(fixed, "mean_grip_n") > 2.0 * least);
     }
     // An existing result is not overwritten.
-    run(&folder, &arguments).refused(&["compared"]);
+    run(&folder, &arguments).refused(&["compared", "expected another folder"]);
+    run(
+        &folder,
+        &["compare", "grip", "--laws=fixed,fixed", "-o=other"],
+    )
+    .refused(&["--laws: fixed is given twice"]);
     let unknown = ["compare", "grip", "--laws=firm", "-o=other"];
     run(&folder, &unknown).refused(&["firm", "partial-slip"]);
     run(&folder, &["compare", "grip", "--resume", "-o=other"]).refused(&["--resume"]);

@@ -100,6 +100,12 @@ impl JointDriveConfig {
                 has_torque,
                 expected,
             );
+            checker.require(
+                &field("torque_limit"),
+                limit.to_string(),
+                mode == DriveMode::CurrentLimitedPosition,
+                "no value in this mode; remove it, or set mode = \"current-limited-position\"",
+            );
             self.check_torque_limit(&field("torque_limit"), limit, checker);
         }
         if let Some(torque) = self.torque {

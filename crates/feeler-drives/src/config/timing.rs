@@ -7,7 +7,7 @@ use crate::registers::{GoalKind, Registers, TORQUE_TO_WATCHDOG, VOLTAGE_TO_TEMPE
 use feeler::check::Checker;
 
 impl DrivesConfig {
-    /// Checks that all servos can be read and commanded within a control `period`, s.
+    /// Checks that all servos can be read and commanded within a control `period`, s, and that their watchdogs wait longer.
     pub fn check_period(&self, key: &str, period: f64, checker: &mut Checker) {
         let needed = self.bus_time();
         checker.require(
@@ -15,8 +15,14 @@ impl DrivesConfig {
             self.baud_rate.to_string(),
             needed <= period,
             &format!(
-                "a bus that transfers the packets of a period within control.period = {period} s, got {needed:.4} s; raise baud_rate, here and in the servos, or control.period"
+                "a bus that transfers the packets of a period within control.period = {period} s, got {needed:.6} s; raise baud_rate, here and in the servos, or control.period"
             ),
+        );
+        checker.require(
+            &format!("{key}.bus_watchdog"),
+            self.bus_watchdog.to_string(),
+            self.bus_watchdog == 0.0 || self.bus_watchdog > period,
+            &format!("more than control.period = {period} s, after which the next command arrives"),
         );
     }
 

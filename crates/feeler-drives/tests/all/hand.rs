@@ -429,9 +429,9 @@ fn a_joint_too_fast_for_a_feetech_servo_is_refused() {
             let mut config = config_in(Protocol::Feetech, mode, 1);
             config.finger[0].joint[0].gear_ratio = gear_ratio;
             let error = Rig::of(config).err().expect("an error").to_string();
-            let needed = format!("expected at least {:.2} rad/s", 2.0 * gear_ratio);
+            let needed = format!("expected at least {:.3} rad/s", 2.0 * gear_ratio);
             assert!(
-                error.contains("servo 1 (theta1 of finger 0) is limited to 5.22 rad/s")
+                error.contains("servo 1 (theta1 of finger 0) is limited to 5.216 rad/s")
                     && error.contains(&needed)
                     && error.contains("travel_per_turn"),
                 "{error}"

@@ -62,7 +62,7 @@ fn a_bus_that_needs_more_than_a_period_is_refused() {
                 for word in [
                     "drives.baud_rate = 115200",
                     "control.period = 0.01 s",
-                    "0.0161 s",
+                    "0.016059 s",
                 ] {
                     assert!(problem.contains(word), "no {word:?} in {problem}");
                 }

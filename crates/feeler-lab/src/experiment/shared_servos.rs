@@ -31,7 +31,7 @@ pub enum SharedServoError {
     /// The fingers close at different speeds. The servo follows the slower command, and the hand stops if a joint lags
     /// its command too far.
     #[error(
-        "{joint}: expected both fingers to close at similar speeds, but theta{} of finger {} closes {ratio:.2} times as fast (allowed: {least:.2} to {:.2}); check travel_per_turn or gear_ratio of both joints", other.joint + 1, other.finger, 1.0 / least
+        "{joint}: expected both fingers to close at similar speeds, but theta{} of finger {} closes {ratio:.3} times as fast (allowed: {least:.2} to {:.2}); check travel_per_turn or gear_ratio of both joints", other.joint + 1, other.finger, 1.0 / least
     )]
     Speeds {
         /// First joint of the servo.

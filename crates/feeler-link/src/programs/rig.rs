@@ -113,6 +113,11 @@ impl<R: Rig> RigProgram<R> {
         ended.and(self.survive(stopped))
     }
 
+    /// Ends the program, and returns its rig.
+    pub fn into_rig(self) -> R {
+        self.rig
+    }
+
     /// Serves the rig at a fixed rate, independent of the hand. Rig time starts with the hand's first command.
     fn run_in_time(&mut self, speed: f64, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         let watchdog = (self.config.stale_periods + 1.0) * self.config.period / speed;

@@ -9,7 +9,8 @@ pub const PAGE: &str = "compare.html";
 const EXAMPLES: &str = "\
 The trials of each law are stored as a sweep in a subfolder named after the law. Trial K draws the same values for
 every law. The experiment's law keeps its settings; other laws use their defaults. A policy is named after its
-file, without the extension.
+file, without the extension. A comparison of grippers writes a table LAW.csv for each law instead, and cannot be
+resumed.
 
 Examples:
   feeler compare cap-closing -o compare                     all laws, 200 trials each

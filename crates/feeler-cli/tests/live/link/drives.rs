@@ -135,7 +135,12 @@ impl Bench {
 
     /// Ends hand and rig, and checks the recording and the bus log: a recorded reason contains all `words`, no move
     /// used stale data, and goals were sent only as [`check_log`] permits.
-    fn check(mut self, words: &[&str]) {
+    fn check(self, words: &[&str]) {
+        self.check_end(words, (0, "torque is off"));
+    }
+
+    /// Like [`Self::check`], but the rig ends with the `expected` status and prints `torque`.
+    fn check_end(mut self, words: &[&str], (expected, torque): (i32, &str)) {
         self.hand.signal("INT");
         let (status, said) = self.hand.wait();
         assert_eq!(status, Some(1), "{said}");
@@ -150,8 +155,8 @@ impl Bench {
         assert!(oldest <= 0.1 + 1e-9, "{oldest} s, {said}");
         self.rig.world.signal("INT");
         let (status, said) = self.rig.world.wait();
-        assert_eq!(status, Some(0), "{said}");
-        assert!(said.contains("torque is off"), "{said}");
+        assert_eq!(status, Some(expected), "{said}");
+        assert!(said.contains(torque), "{said}");
         // Sent twice, because the servos do not acknowledge it.
         within_reason(&self.bus, || {
             let log = self.log();
@@ -287,7 +292,11 @@ fn silent_servo_is_named_and_stops_the_hand_until_it_responds() {
     let again = "the drives stay stopped until the stop is resumed";
     bench.rig.world.wait_for_times(again, 2);
     assert!(bench.rig.world.is_running());
-    bench.check(&["the rig", "theta3 of finger 0", "servo 3"]);
+    // A servo that does not answer may still push.
+    bench.check_end(
+        &["the rig", "theta3 of finger 0", "servo 3"],
+        (2, "torque may still be enabled"),
+    );
 }
 
 #[test]

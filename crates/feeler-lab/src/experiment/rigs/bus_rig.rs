@@ -79,6 +79,12 @@ impl BusRig {
         Ok((driven, bus))
     }
 
+    /// Disables the torque of all servos. Returns `true` if every servo confirms it; otherwise its torque may still be on.
+    pub fn disable_torque(&mut self) -> bool {
+        let hand = self.hand.as_mut();
+        hand.is_some_and(|hand| hand.disable_torque().is_ok())
+    }
+
     fn open_hand(&self) -> Result<DriveHand, DriveError> {
         let clock = self.clock.clone();
         DriveHand::open(&self.config, &self.fingers, self.most_age, clock)
