@@ -44,6 +44,8 @@ pub enum OutputError {
 /// The output files of one command, checked against its inputs and against each other.
 pub struct Outputs {
     force: bool,
+    /// Remedy if an output exists, as the object of "expected".
+    remedy: &'static str,
     /// Files that must not be written to: their role and path.
     taken: Vec<(&'static str, PathBuf)>,
 }
@@ -56,7 +58,17 @@ impl Outputs {
         let taken = inputs.map(|path| ("an input", path.to_path_buf()));
         Self {
             force,
+            remedy: "a new file, or --force to replace it",
             taken: taken.collect(),
+        }
+    }
+
+    /// Creates the outputs of a command that cannot replace files and reads none. If an output exists, the error names the
+    /// `remedy`, such as "another folder".
+    pub fn without_force(remedy: &'static str) -> Self {
+        Self {
+            remedy,
+            ..Self::new(false, [])
         }
     }
 
@@ -91,8 +103,8 @@ impl Outputs {
         let partial = fs::metadata(&part).is_ok_and(|there| there.len() > 0);
         for (exists, written) in [(path.exists(), path), (partial, &part)] {
             if exists && !self.force {
-                let problem = "exists already; expected a new file, or --force to replace it";
-                return Err(refused(written, problem));
+                let problem = format!("exists already; expected {}", self.remedy);
+                return Err(refused(written, &problem));
             }
         }
         let file = File::create(&part).map_err(|e| failed(path, argument, e))?;

@@ -144,7 +144,8 @@ pub fn display_unit(drive: &JointDriveConfig) -> (&'static str, f64) {
     }
 }
 
-/// Checks one servo. Returns the positions of its joints as text, with a note if its torque is on, and the required setting changes.
+/// Checks one servo. Returns the positions of its joints as text, with a note if its torque is on, and the required
+/// setting changes.
 fn check_servo(
     bus: &mut Bus,
     config: &DrivesConfig,

@@ -22,7 +22,7 @@ use std::path::Path;
 /// Folder of pseudo-terminals. Servos there are emulated and may run at any speed.
 const PSEUDO_TERMINALS: &str = "/dev/pts";
 
-/// Addition to an error after which servos may still move.
+/// Warning after an error that may have left motors powered.
 pub const TORQUE_MAY_BE_ON: &str = "torque may still be enabled: switch off the servos' supply";
 
 /// Options of a program that serves servos.
@@ -82,9 +82,10 @@ pub fn serve_drives(
             writeln!(out, "torque is off")?;
             Ok(Outcome::Done)
         }
-        (Ok(()), false) => {
-            Err(format!("a servo did not confirm the end; {TORQUE_MAY_BE_ON}").into())
-        }
+        (Ok(()), false) => Err(format!(
+            "not every servo has confirmed that its torque is off; {TORQUE_MAY_BE_ON}"
+        )
+        .into()),
         (Err(error), true) => Err(error),
         (Err(error), false) => Err(format!("{error}; {TORQUE_MAY_BE_ON}").into()),
     }

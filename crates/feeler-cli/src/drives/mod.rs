@@ -26,7 +26,7 @@ use crate::options::{Overwrite, parse_between};
 use std::io::Write;
 use std::path::PathBuf;
 
-/// Names of the protocols of servos, also if servos are not compiled in.
+/// Names of the servo protocols. The help lists them even without the feature `drives`.
 const PROTOCOLS: [&str; 3] = ["dynamixel", "feetech", "feetech-scs"];
 
 #[derive(Debug, clap::Args)]

@@ -14,7 +14,6 @@ use feeler_lab::grips::{GripDifference, GripRow, GripScore, GripTrial, grip_over
 use feeler_report::pages::{GRIP_COLUMNS, GripsPage, grips_page, significant};
 use feeler_report::run::create_folder;
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::Write;
 
 /// Rows of each law, in the order of the laws.
@@ -30,18 +29,9 @@ pub fn compare_grips(
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let contenders = contenders(arguments, experiment)?;
-    let folder = arguments.out.display();
-    create_folder(&arguments.out).map_err(|e| format!("--out {folder}: {e}; expected a folder"))?;
-    let names = contenders.iter().map(|(name, _)| format!("{name}.csv"));
-    let parts = names.clone().map(|name| format!("{name}.part"));
-    let mut files = names.chain(parts).chain([PAGE.into()]);
-    let has_content = |path| fs::metadata(path).is_ok_and(|file| file.len() > 0);
-    if let Some(file) = files.find(|file| has_content(arguments.out.join(file))) {
-        return Err(
-            format!("--out {folder}: {file} exists already; expected another folder").into(),
-        );
-    }
-    let mut outputs = Outputs::new(false, []);
+    create_folder(&arguments.out)
+        .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()))?;
+    let mut outputs = Outputs::without_force("another folder");
     let page_file = outputs.create(&arguments.out.join(PAGE), "--out")?;
     let mut tables = Vec::new();
     for (name, _) in &contenders {

@@ -41,7 +41,7 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         let file = file.display();
         return Err(format!("{file}: exists already; expected a new file").into());
     }
-    let mut outputs = Outputs::new(false, []);
+    let mut outputs = Outputs::without_force("a new file");
     let calibrations = missing(file, &experiment.calibration_texts()?)?;
     let toml = outputs.create(file, "FILE.toml")?;
     for (path, text) in &calibrations {

@@ -166,7 +166,7 @@ impl JointDriveConfig {
     }
 }
 
-/// Reports every field of `given` that has a value, for which none is allowed.
+/// Reports an error for every field of `given` that has a value.
 pub(super) fn refuse_given<const N: usize>(
     key: &str,
     given: [(&str, Option<String>); N],

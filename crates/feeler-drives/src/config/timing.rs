@@ -7,7 +7,8 @@ use crate::registers::{GoalKind, Registers, TORQUE_TO_WATCHDOG, VOLTAGE_TO_TEMPE
 use feeler::check::Checker;
 
 impl DrivesConfig {
-    /// Checks that all servos can be read and commanded within a control `period`, s, and that their watchdogs wait longer.
+    /// Checks that all servos can be read and commanded within a control `period`, s, and that their watchdogs wait
+    /// longer.
     pub fn check_period(&self, key: &str, period: f64, checker: &mut Checker) {
         let needed = self.bus_time();
         checker.require(
@@ -22,7 +23,7 @@ impl DrivesConfig {
             &format!("{key}.bus_watchdog"),
             self.bus_watchdog.to_string(),
             self.bus_watchdog == 0.0 || self.bus_watchdog > period,
-            &format!("more than control.period = {period} s, after which the next command arrives"),
+            &format!("more than control.period = {period} s, the time between commands"),
         );
     }
 

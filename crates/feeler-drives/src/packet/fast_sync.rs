@@ -41,7 +41,8 @@ pub fn complete_blocks(bytes: &[u8], length: usize) -> usize {
     bytes.len().saturating_sub(BEFORE_BLOCKS) / (length + AROUND_DATA)
 }
 
-/// Length of the joint response of a number of `servos` with `length` bytes of data each, without byte stuffing.
+/// Length (bytes) of the response to a fast sync read of `length` bytes from each of this number of `servos`. Excludes
+/// byte stuffing.
 pub fn fast_status_length(servos: usize, length: usize) -> usize {
     BEFORE_BLOCKS + servos * (length + AROUND_DATA)
 }

@@ -30,7 +30,8 @@ pub fn write_simulated_loads(
     };
     create_folder(folder).map_err(|e| failed(&e))?;
     // Written last: its rows must not refer to missing images.
-    let file = Outputs::new(false, []).create(&folder.join(LOADS), "--write-loads")?;
+    let file =
+        Outputs::without_force("another folder").create(&folder.join(LOADS), "--write-loads")?;
     let mut rows = csv::Writer::from_writer(Vec::new());
     rows.write_record(COLUMNS.iter().chain(&PLACE_COLUMNS))
         .map_err(|e| failed(&e))?;

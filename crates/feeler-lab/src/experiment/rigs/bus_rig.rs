@@ -79,7 +79,8 @@ impl BusRig {
         Ok((driven, bus))
     }
 
-    /// Disables the torque of all servos. Returns `true` if every servo confirms it; otherwise its torque may still be on.
+    /// Disables the torque of all servos. Returns `true` if every servo confirms it; otherwise, motors may still be
+    /// powered.
     pub fn disable_torque(&mut self) -> bool {
         let hand = self.hand.as_mut();
         hand.is_some_and(|hand| hand.disable_torque().is_ok())

@@ -102,8 +102,8 @@ impl Scene<'_> {
         near.into_iter().map(|(own, _)| own).collect()
     }
 
-    /// Reverses a chain that ends at an unmatched `spot`: assigns it to the marker `first`, that marker's previous spot to the best candidate, and
-    /// so on. Returns the smoothest of the resulting matchings with its roughness.
+    /// Reverses a chain that ends at an unmatched `spot`: assigns it to the marker `first`, that marker's previous spot to
+    /// the best candidate, and so on. Returns the smoothest of the resulting matchings with its roughness.
     fn reverse_from_spot(&self, matching: &Matching, spot: usize, first: usize) -> (f64, Matching) {
         let mut mended = matching.clone();
         let (mut spot, mut own) = (spot, first);

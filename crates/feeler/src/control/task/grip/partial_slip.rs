@@ -193,8 +193,8 @@ impl PartialSlip {
 /// the fraction `group_share` of the pressing force. Sorts `pressed`.
 ///
 /// Single elements are unsuitable: noise and the curvature of the object raise the ratio of some of them and lower that
-/// of others with similar pressing forces. The least pressed group is unsuitable, too: elements that have just come into contact
-/// carry no shear.
+/// of others with similar pressing forces. The least pressed group is unsuitable, too: elements that have just
+/// come into contact carry no shear.
 fn edge_ratio(pressed: &mut [(f64, f64)], group_share: f64) -> Option<f64> {
     pressed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let enough = group_share * pressed.iter().map(|element| element.0).sum::<f64>();
