@@ -20,6 +20,8 @@ use feeler_rig::print_outcome;
 use feeler_watch::Screen;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
@@ -96,6 +98,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         }
         None => (session(&experiment, &options)?, None),
     };
+    // A reader of the page's address may interrupt at once.
+    let interrupted = watch_for_interrupt()?;
     let page = arguments
         .view
         .then(|| LiveRun::open(&experiment, (&arguments.server).into(), out));
@@ -105,6 +109,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         (&experiment, set_up),
         &options,
         page.as_mut(),
+        &interrupted,
         out,
     );
     if let Some(page) = page {
@@ -119,6 +124,7 @@ fn watched_run(
     (experiment, (session, bus)): (&Experiment, (Session, Option<EmulatedBus>)),
     options: &RecordOptions,
     page: Option<&mut LiveRun>,
+    interrupted: &Arc<AtomicBool>,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let trial = arguments.trial.as_deref().and_then(|trial| trial.last());
@@ -129,7 +135,6 @@ fn watched_run(
         None => run,
     };
 
-    let interrupted = watch_for_interrupt()?;
     let (period, speed) = (experiment.config.control.period, arguments.speed());
     let mut timing = match &bus {
         Some(bus) => Timing::Kept(bus.schedule(period)?, bus.is_paced()),
@@ -139,11 +144,11 @@ fn watched_run(
         arguments.top,
         experiment,
         timing.is_paced(),
-        &interrupted,
+        interrupted,
         page,
     )?;
     let mut punctuality = Punctuality::new()?;
-    let ran = run.run(&mut timing, &interrupted, |control_loop, at, tick| {
+    let ran = run.run(&mut timing, interrupted, |control_loop, at, tick| {
         punctuality.record(tick);
         watcher.step(control_loop, at, tick)
     });

@@ -67,12 +67,12 @@ pub fn follow(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     let (fingers, layouts) = (geometries(config)?, layouts(config)?);
     let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
     let description = protocol::description(config, &fingers, &elements, arguments.lifetime);
+    let interrupted = watch_for_interrupt()?;
     answer(out, &description)?;
     if arguments.describe {
         return Ok(Outcome::Done);
     }
     let joints: Vec<_> = fingers.iter().map(|finger| finger.joint_count()).collect();
-    let interrupted = watch_for_interrupt()?;
     let following = Following {
         arguments,
         interrupted: &interrupted,

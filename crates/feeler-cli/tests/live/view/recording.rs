@@ -74,5 +74,5 @@ fn unfinished_recording_is_not_served() {
         status == 404 && body.contains("still being written"),
         "{body}"
     );
-    viewed.interrupt();
+    assert_eq!(viewed.interrupt().status, Some(1));
 }
