@@ -3,10 +3,10 @@ import assert from "node:assert/strict";
 import { statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import type { Browser, Page } from "playwright-core";
+import type { Browser } from "playwright-core";
 import { eventually, launch, type Opened, until } from "./browser";
 import * as playground from "./playground_page";
-import { digestOf, experiments, folder, nothingElse, page as file, program, skip } from "./playground_page";
+import { folder, nothingElse, page as file, program, skip } from "./playground_page";
 
 const LARGEST = 4e6;
 
@@ -19,26 +19,6 @@ after(async () => {
 });
 
 const opened = (hash = "", options = {}): Promise<Opened> => playground.opened(browser, hash, options);
-
-const run = (page: Page, experiment: string, sensing: "direct" | "image") =>
-  page.evaluate(async ([experiment, sensing]) => (await window.feeler.run({ experiment, sensing })).digest, [
-    experiment,
-    sensing,
-  ] as const);
-
-test("every built-in experiment has the digest of the program", { skip }, async () => {
-  const result = await opened();
-  const names = experiments();
-  assert.ok(names.length >= 14, String(names));
-  for (const experiment of names) {
-    for (const sensing of ["direct", "image"] as const) {
-      const expected = digestOf(experiment, sensing);
-      if (!expected) continue;
-      assert.equal(await run(result.page, experiment, sensing), expected, `${experiment} ${sensing}`);
-    }
-  }
-  nothingElse(result);
-});
 
 test("a run is shown, reported, and can be repeated from its link and its command", { skip }, async () => {
   const result = await opened(

@@ -38,11 +38,12 @@ export function program(cwd: string, ...words: string[]): string {
   return execFileSync(feeler, words, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
 }
 
-/** Digest of the program's run. */
-export function digestOf(experiment: string, sensing: string): string {
+/** Digest of the program's run with `settings` of the form `KEY=VALUE`. */
+export function digestOf(experiment: string, sensing: string, settings: string[] = []): string {
   const out = folder();
+  const set = settings.flatMap((setting) => ["--set", setting]);
   try {
-    program(out, "run", experiment, "--sensing", sensing, "--out", "run");
+    program(out, "run", experiment, "--sensing", sensing, ...set, "--out", "run");
   } catch {
     // A run whose task fails has a digest, too.
   }

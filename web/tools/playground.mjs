@@ -1,5 +1,6 @@
 // Builds the playground: one HTML file with feeler's program, its worker and the page. Needs Rust with the target
-// wasm32-unknown-unknown, wasm-bindgen of the version in Cargo.lock, and zstd.
+// wasm32-unknown-unknown, and zstd. With --fast, for tests, it is larger and slower, but builds in a fraction of the time;
+// this needs the workspace to be built.
 import { build } from "esbuild";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
@@ -8,7 +9,8 @@ import { pack } from "../playground/packed_text.mjs";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const ROOT = here("../..");
-const OUT = here("../out/playground.html");
+const FAST = process.argv.includes("--fast");
+const OUT = here(FAST ? "../out/fast" : "../out");
 const TARGET = "wasm32-unknown-unknown";
 /** Largest size of the page (bytes). */
 const LARGEST = 4e6;
@@ -18,40 +20,38 @@ function run(program, args, env = {}) {
 }
 
 function compile() {
-  const target = process.env.CARGO_TARGET_DIR ?? `${ROOT}/target/wasm`;
-  run(
-    "cargo",
-    ["build", "-p", "feeler-wasm", "--profile", "wasm", "--target", TARGET, "--target-dir", target],
-    {
-      RUSTFLAGS: "-C target-feature=+simd128",
-    },
-  );
-  const bindgen = process.env.WASM_BINDGEN ?? "wasm-bindgen";
-  const made = `${target}/${TARGET}/wasm/feeler_wasm.wasm`;
-  run(bindgen, ["--target", "web", "--no-typescript", "--out-dir", here("../out/wasm"), made]);
+  // The fast build shares macros and build scripts with the workspace's tests.
+  const target = process.env.CARGO_TARGET_DIR ?? `${ROOT}/target${FAST ? "" : "/wasm"}`;
+  const into = `--target-dir=${target}`;
+  const profile = FAST ? ["--config=profile.dev.package.feeler.opt-level=1"] : ["--profile=wasm"];
+  run("cargo", ["build", "-p", "feeler-wasm", "--target", TARGET, into, ...profile], {
+    RUSTFLAGS: "-C target-feature=+simd128",
+  });
+  const made = `${target}/${TARGET}/${FAST ? "debug" : "wasm"}/feeler_wasm.wasm`;
+  if (FAST) run(`${target}/debug/feeler-bindgen`, [made, here("../out/wasm")]);
+  else run("cargo", ["run", "-p", "feeler-bindgen", into, "--", made, here("../out/wasm")]);
   const wasm = here("../out/wasm/feeler_wasm_bg.wasm");
+  if (!FAST) optimize(wasm);
+  return readFileSync(wasm);
+}
+
+function optimize(wasm) {
   const features = [
     "--enable-simd",
     "--enable-bulk-memory",
     "--enable-nontrapping-float-to-int",
     "--enable-sign-ext",
-  ];
-  run(here("../node_modules/.bin/wasm-opt"), [
-    ...features,
     "--enable-mutable-globals",
     "--enable-reference-types",
     "--enable-multivalue",
-    "-O2",
-    wasm,
-    "-o",
-    wasm,
-  ]);
-  return readFileSync(wasm);
+  ];
+  run(here("../node_modules/.bin/wasm-opt"), [...features, "-O2", wasm, "-o", wasm]);
 }
 
 /** Compresses with zstd, which is a quarter smaller here than what browsers decompress themselves. */
 function compressed(bytes) {
-  return execFileSync("zstd", ["--ultra", "-22", "--stdout", "--quiet"], {
+  const level = FAST ? ["-3"] : ["--ultra", "-22"];
+  return execFileSync("zstd", [...level, "--stdout", "--quiet"], {
     input: bytes,
     maxBuffer: 1 << 28,
   });
@@ -76,7 +76,7 @@ async function bundle(entry) {
   return outputFiles[0].text.replaceAll("</script", "<\\/script");
 }
 
-mkdirSync(here("../out/wasm"), { recursive: true });
+mkdirSync(OUT, { recursive: true });
 const wasm = compile();
 const style =
   readFileSync(`${ROOT}/crates/feeler-report/src/page.css`, "utf8") +
@@ -92,7 +92,7 @@ for (const [name, content] of Object.entries(parts)) {
   // Also removes the white space around the placeholder, which would corrupt the packed bytes.
   page = page.replace(new RegExp(`\\s*/\\*${name}\\*/\\s*`), () => content);
 }
-writeFileSync(OUT, page);
+writeFileSync(`${OUT}/playground.html`, page);
 const kilobytes = (text) => `${(Buffer.byteLength(text) / 1000).toFixed(0)} kB`;
 console.log(`playground.html: ${kilobytes(page)}, of which the program ${kilobytes(parts.wasm)}`);
-if (Buffer.byteLength(page) > LARGEST) throw new Error(`expected at most ${LARGEST} bytes`);
+if (!FAST && Buffer.byteLength(page) > LARGEST) throw new Error(`expected at most ${LARGEST} bytes`);
