@@ -14,6 +14,9 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use std::io::Write;
 
+/// Warning after an error that may have left motors powered.
+pub const TORQUE_MAY_BE_ON: &str = "torque may still be enabled: switch off the servos' supply";
+
 /// An experiment whose hand has servos on a bus.
 pub struct ServoRig {
     /// Experiment.

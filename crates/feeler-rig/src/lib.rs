@@ -17,7 +17,9 @@ mod stop;
 mod wrench_topic;
 
 #[cfg(feature = "drives")]
-pub use drives_check::{ServoRig, all_changes, check_servos, display_unit, print_changes};
+pub use drives_check::{
+    ServoRig, TORQUE_MAY_BE_ON, all_changes, check_servos, display_unit, print_changes,
+};
 pub use hand_record::{FinishedRecord, HandRecord, patience};
 pub use latency_bench::{LatencyBench, measure_latency, send_readings};
 pub use link_options::{LinkOptions, ListenOptions};
@@ -26,7 +28,7 @@ pub use real_time::request_real_time;
 pub use ros2::{GraphOptions, publish_recording, publish_rig, serve_robot};
 pub use run_outcome::{make_report, print_outcome};
 #[cfg(all(feature = "drives", target_os = "linux"))]
-pub use served_drives::{DrivesOptions, TORQUE_MAY_BE_ON, serve_drives};
+pub use served_drives::{DrivesOptions, serve_drives};
 pub use session::RigSession;
 pub use stop::{call_stop_server, open_stop_server};
 pub use wrench_topic::WrenchAddress;

@@ -1,6 +1,6 @@
 //! Serves servos on a bus as the rig of `feeler hand`.
 
-use crate::drives_check::{ServoRig, all_changes, print_changes};
+use crate::drives_check::{ServoRig, TORQUE_MAY_BE_ON, all_changes, print_changes};
 use crate::real_time::request_real_time;
 use crate::session::RigSession;
 use feeler_console::{CommandError, Outcome, Warnings, watch_for_interrupt};
@@ -21,9 +21,6 @@ use std::path::Path;
 
 /// Folder of pseudo-terminals. Servos there are emulated and may run at any speed.
 const PSEUDO_TERMINALS: &str = "/dev/pts";
-
-/// Warning after an error that may have left motors powered.
-pub const TORQUE_MAY_BE_ON: &str = "torque may still be enabled: switch off the servos' supply";
 
 /// Options of a program that serves servos.
 #[derive(Debug, Clone)]
