@@ -37,13 +37,9 @@ pub fn init(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
         return Err(format!("--from {from}: expected one of the built-in {names}{like}").into());
     }
     let experiment = Experiment::load(from, &[format!("name={:?}", name(file)?)])?;
-    if file.exists() {
-        let file = file.display();
-        return Err(format!("{file}: exists already; expected a new file").into());
-    }
     let mut outputs = Outputs::without_force("a new file");
-    let calibrations = missing(file, &experiment.calibration_texts()?)?;
     let toml = outputs.create(file, "FILE.toml")?;
+    let calibrations = missing(file, &experiment.calibration_texts()?)?;
     for (path, text) in &calibrations {
         outputs
             .create(path, "calibration")?
