@@ -6,12 +6,14 @@ use std::str::FromStr;
 use std::sync::mpsc::{Receiver, channel};
 
 /// Value of an option that enables values from standard input.
+#[cfg(target_os = "linux")]
 const TYPED: &str = "-";
 
 /// Parses the values of the option `--KIND`, and returns them with those typed on standard input if one is `-`.
 ///
 /// # Errors
 /// If a value is invalid.
+#[cfg(target_os = "linux")]
 pub fn given_and_typed<T>(
     kind: &'static str,
     given: &[String],

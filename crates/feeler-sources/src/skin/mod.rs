@@ -9,10 +9,11 @@ mod error;
 mod event;
 mod probe;
 mod sensor;
-mod simulated;
 
 #[cfg(target_os = "linux")]
 mod emulator;
+#[cfg(target_os = "linux")]
+mod simulated;
 
 pub use counters::SkinCounters;
 #[cfg(target_os = "linux")]

@@ -4,7 +4,7 @@ use super::pump::{Event, RowPump};
 use feeler::sensor::forces::{TactileFrame, TactileSensor};
 use feeler_console::CommandError;
 use feeler_sources::skin::{SkinNews, SkinSensor};
-use std::io::{BufRead, IsTerminal, stdin};
+use std::io::{BufRead, stdin};
 use std::iter;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -39,7 +39,7 @@ pub fn start(sensor: SkinSensor) -> Result<RowPump, CommandError> {
 /// Returns `true` unless reading standard input would suspend the program, because it runs in the background of a terminal.
 fn may_read_input() -> bool {
     #[cfg(unix)]
-    if stdin().is_terminal() {
+    if rustix::termios::isatty(stdin()) {
         let foreground = rustix::termios::tcgetpgrp(stdin());
         return foreground.is_ok_and(|group| group == rustix::process::getpgrp());
     }
