@@ -44,7 +44,7 @@ pub enum OutputError {
 /// The output files of one command, checked against its inputs and against each other.
 pub struct Outputs {
     force: bool,
-    /// Remedy if an output exists, as the object of "expected".
+    /// Words after "expected" in the error if an output exists, such as "another folder".
     remedy: &'static str,
     /// Files that must not be written to: their role and path.
     taken: Vec<(&'static str, PathBuf)>,
@@ -94,10 +94,7 @@ impl Outputs {
         for written in [path, &part] {
             // Writing to a device or a link, or renaming a file to it, would change its target.
             if fs::symlink_metadata(written).is_ok_and(|there| !there.is_file()) {
-                return Err(refused(
-                    path,
-                    "not a file; expected a new file, or a file to replace",
-                ));
+                return Err(refused(path, "not a file; expected another path"));
             }
         }
         let partial = fs::metadata(&part).is_ok_and(|there| there.len() > 0);
