@@ -1,6 +1,6 @@
 /**
- * The playground computes what the program computes. `PLAYGROUND` is the page, `FEELER` the program. `IMAGE_SECONDS` limits
- * the simulated time of runs with images (s).
+ * Runs have the same digest in the playground as in the program. `PLAYGROUND` is the path of the page, `FEELER` that of the
+ * program. `IMAGE_SECONDS` limits the simulated time of runs with images (s).
  */
 import assert from "node:assert/strict";
 import { test } from "node:test";

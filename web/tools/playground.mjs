@@ -1,6 +1,6 @@
 // Builds the playground: one HTML file with feeler's program, its worker and the page. Needs Rust with the target
-// wasm32-unknown-unknown, and zstd. With --fast, for tests, it is larger and slower, but builds in a fraction of the time;
-// this needs the workspace to be built.
+// wasm32-unknown-unknown, and zstd. With --fast, for tests, the page is larger and slower, but builds in half the time,
+// after `cargo build --workspace --all-features`.
 import { build } from "esbuild";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
@@ -28,6 +28,7 @@ function compile() {
     RUSTFLAGS: "-C target-feature=+simd128",
   });
   const made = `${target}/${TARGET}/${FAST ? "debug" : "wasm"}/feeler_wasm.wasm`;
+  // Cargo would compile it again for the fast build, with other features of its dependencies.
   if (FAST) run(`${target}/debug/feeler-bindgen`, [made, here("../out/wasm")]);
   else run("cargo", ["run", "-p", "feeler-bindgen", into, "--", made, here("../out/wasm")]);
   const wasm = here("../out/wasm/feeler_wasm_bg.wasm");

@@ -98,7 +98,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         }
         None => (session(&experiment, &options)?, None),
     };
-    // A reader of the page's address may interrupt at once.
+    // Installed before the page's address is printed: an interrupt from then on leaves a report.
     let interrupted = watch_for_interrupt()?;
     let page = arguments
         .view

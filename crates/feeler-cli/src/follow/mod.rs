@@ -67,6 +67,7 @@ pub fn follow(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     let (fingers, layouts) = (geometries(config)?, layouts(config)?);
     let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
     let description = protocol::description(config, &fingers, &elements, arguments.lifetime);
+    // Installed before the first output: an interrupt from then on leaves a report.
     let interrupted = watch_for_interrupt()?;
     answer(out, &description)?;
     if arguments.describe {

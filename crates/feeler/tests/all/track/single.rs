@@ -28,8 +28,8 @@ proptest! {
     }
 }
 
-/// Displaces all markers and hides every 17th. Returns the largest error (px) of the markers found, and by how many they
-/// are fewer than the visible ones.
+/// Displaces all markers and hides every 17th. Returns the largest error (px) of the markers found, and the number of
+/// visible markers that were not found.
 fn match_displaced(drag: DVec2, turn: f64, press: f64, seed: u64) -> (f64, usize) {
     let (mut tracker, places) = tracker(Polarity::Dark);
     let truth: Vec<DVec2> = places
