@@ -1,6 +1,6 @@
 /** The playground: the same results as the program, without a network. `PLAYGROUND` is the page, `FEELER` the program. */
 import assert from "node:assert/strict";
-import { statSync, writeFileSync } from "node:fs";
+import { readFileSync, statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import type { Browser } from "playwright-core";
@@ -30,6 +30,14 @@ test("a run is shown, reported, and can be repeated from its link and its comman
   const digest = page.locator(".result .digest");
   await digest.waitFor();
   assert.match((await digest.textContent()) ?? "", /^[0-9a-f]{64}$/);
+  await page.getByText("Complete report with all figures").click();
+  const report = page.frameLocator("iframe.report");
+  await report.getByRole("heading", { name: "cap-closing" }).first().waitFor();
+  const [download] = await Promise.all([
+    page.waitForEvent("download"),
+    page.getByRole("button", { name: "Download report.html" }).click(),
+  ]);
+  assert.match(readFileSync(await download.path(), "utf8"), /<h1>.*cap-closing/);
   const settings = {
     experiment: "cap-closing",
     seed: 3,

@@ -32,7 +32,6 @@ declare module "*/wasm/feeler_wasm" {
   export class FinishedRun {
     readonly digest: string;
     readonly summary: string;
-    readonly report: string;
     readonly recording: Uint8Array<ArrayBuffer>;
     free(): void;
   }

@@ -33,8 +33,6 @@ export interface FinishedRun {
   digest: string;
   /** Content of `summary.json`. */
   summary: string;
-  /** Report page (HTML). */
-  report: string;
   /** Content of `recording.mcap`. */
   recording: Uint8Array<ArrayBuffer>;
 }

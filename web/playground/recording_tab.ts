@@ -26,7 +26,7 @@ export function recordingTab(engine: Engine): HTMLElement {
     try {
       const report = await engine.call("report", { file }, (share) => (bar.value = share));
       setText(status, `Report of ${file.name}. The file has not left this computer.`);
-      result.replaceChildren(reportFrame(report, true));
+      result.replaceChildren(reportFrame((use) => use(report), true));
     } catch (error) {
       setText(status, error instanceof PageProblem ? error.message : String(error));
     } finally {

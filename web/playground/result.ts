@@ -1,5 +1,6 @@
 /** Result of a finished run: measures, claims, digest, report and downloads. */
 import { button, make, setText } from "../src/ui/dom";
+import type { Engine } from "./engine";
 import { save } from "./files";
 import type { FinishedRun, RunSettings } from "./protocol";
 import { toCommand } from "./settings_link";
@@ -39,8 +40,9 @@ export function shownClaims({ claims, hand_claims }: Summary): Claim[] {
   return claims.length > 0 ? claims : hand_claims;
 }
 
-/** Shows a finished run. `note` tells what its command does not repeat, if anything. */
+/** Shows a finished run. Its report is created on first use. `note` tells what its command does not repeat, if anything. */
 export function resultPanel(
+  engine: Engine,
   title: string,
   settings: Required<RunSettings>,
   finished: FinishedRun,
@@ -53,6 +55,17 @@ export function resultPanel(
   const said = make("p", { class: "note", role: "status", "aria-live": "polite" });
   const told = (text: string) => setText(said, text);
   const reason = summary.reason ? `: ${summary.reason}` : "";
+  let created: Promise<string> | undefined;
+  const withReport: GetReport = (use) => {
+    told("Creating the report.");
+    created ??= engine.call("report", { file: new File([finished.recording], "recording.mcap") });
+    created
+      .then((html) => {
+        told("");
+        use(html);
+      })
+      .catch((error: Error) => told(error.message));
+  };
   const name = `${settings.experiment}-${settings.sensing}-seed${settings.seed}`;
   return make(
     "section",
@@ -73,13 +86,13 @@ export function resultPanel(
     make(
       "div",
       { class: "orders" },
-      download("recording.mcap", `${name}.mcap`, finished.recording, "application/octet-stream"),
-      download("report.html", `${name}.html`, finished.report, "text/html"),
+      download("recording.mcap", () => save(`${name}.mcap`, finished.recording, "application/octet-stream")),
+      download("report.html", () => withReport((html) => save(`${name}.html`, html, "text/html"))),
       copy("Copy the command", () => toCommand(settings), told),
       copy("Copy the link", () => location.href, told),
     ),
     said,
-    reportFrame(finished.report),
+    reportFrame(withReport),
   );
 }
 
@@ -87,12 +100,15 @@ function claimItem({ text, holds, verdict }: Claim): HTMLElement {
   return make("li", {}, make("b", { class: holds ? "holds" : "fails" }, verdict), ` ${text}`);
 }
 
-/** The complete report, closed at first. */
-export function reportFrame(report: string, open = false): HTMLElement {
+/** Passes the HTML of a report to `use`, perhaps later. */
+type GetReport = (use: (html: string) => void) => void;
+
+/** The complete report, closed at first and requested when it is opened. */
+export function reportFrame(get: GetReport, open = false): HTMLElement {
   const frame = make("iframe", { title: "Report of the run", class: "report" });
   const details = make("details", {}, make("summary", {}, "Complete report with all figures"), frame);
   const fill = () => {
-    if (details.open && !frame.srcdoc) frame.srcdoc = report;
+    if (details.open && !frame.srcdoc) get((html) => (frame.srcdoc = html));
   };
   details.addEventListener("toggle", fill);
   details.open = open;
@@ -100,8 +116,8 @@ export function reportFrame(report: string, open = false): HTMLElement {
   return details;
 }
 
-function download(text: string, name: string, content: BlobPart, type: string): HTMLElement {
-  return button(`Download ${text}`, `Download ${text}`, () => save(name, content, type));
+function download(text: string, act: () => void): HTMLElement {
+  return button(`Download ${text}`, `Download ${text}`, act);
 }
 
 /** A button that copies a text, or shows it where the browser refuses. */

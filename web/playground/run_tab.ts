@@ -187,14 +187,14 @@ export class RunTab {
 
   async #finish(): Promise<void> {
     this.#enable(false);
-    setText(this.#status, "Writing the report.");
+    setText(this.#status, "Evaluating the run.");
     for (const shown of this.#shown) {
       const { number, title, settings } = shown;
       // A run that is ended early has no further rows to wait for.
       shown.over = true;
       try {
         const finished = await this.#engine.call("finish", { run: number });
-        this.#results.append(resultPanel(title, settings, finished, this.#note()));
+        this.#results.append(resultPanel(this.#engine, title, settings, finished, this.#note()));
         const summary = JSON.parse(finished.summary) as Summary;
         for (const listener of this.#finished) listener(settings, summary, finished.digest);
       } catch (error) {

@@ -88,9 +88,9 @@ const functions: {
     const active = get(run);
     runs.delete(run);
     const finished = active.run.finish(active.spent / 1000);
-    const { digest, summary, report, recording } = finished;
+    const { digest, summary, recording } = finished;
     finished.free();
-    return { digest, summary, report, recording };
+    return { digest, summary, recording };
   },
   discard({ run }) {
     runs.get(run)?.run.free();

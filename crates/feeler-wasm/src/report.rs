@@ -2,7 +2,7 @@
 
 use crate::js;
 use crate::js_file::JsFile;
-use feeler_report::run::report_from;
+use feeler_report::run::page_from;
 use js_sys::Function;
 use std::io::BufReader;
 use std::path::Path;
@@ -27,6 +27,5 @@ pub fn report(file: &File, progress: &Function) -> Result<String, JsValue> {
         // A page that cannot show the progress still gets its report.
         let _ = progress.call1(&JsValue::NULL, &share.into());
     };
-    let report = report_from(&mut reader, length, Path::new(&name), &mut told);
-    Ok(report.map_err(js)?.0)
+    Ok(page_from(&mut reader, length, Path::new(&name), &mut told).map_err(js)?)
 }

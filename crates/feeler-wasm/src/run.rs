@@ -8,7 +8,7 @@ use feeler_lab::experiment::{Pictures, Session};
 use feeler_record::{BufferRecorder, RunLog};
 use feeler_report::page_data::PageData;
 use feeler_report::pages::Live;
-use feeler_report::run::report_from;
+use feeler_report::run::summary_from;
 use serde::Serialize;
 use std::io::Cursor;
 use std::path::Path;
@@ -137,7 +137,7 @@ impl Run {
         self.session.rig().world().set_friction_factor(factor);
     }
 
-    /// Ends the run, closes its recording and creates the report. An unfinished run is marked as interrupted.
+    /// Ends the run, closes its recording and summarizes it. An unfinished run is marked as interrupted.
     /// `wall_time` (s) is recorded as the duration of the run.
     ///
     /// # Errors
@@ -151,12 +151,10 @@ impl Run {
         let length = recording.len() as u64;
         let mut file = Cursor::new(&recording);
         let name = Path::new("recording.mcap");
-        let report = report_from(&mut file, length, name, &mut |_| {}).map_err(js)?;
-        let (report, summary) = report;
+        let summary = summary_from(&mut file, length, name).map_err(js)?;
         Ok(FinishedRun {
             digest: digest.to_string(),
             summary: summary.to_json().map_err(js)?,
-            report,
             recording,
         })
     }
@@ -167,7 +165,6 @@ impl Run {
 pub struct FinishedRun {
     digest: String,
     summary: String,
-    report: String,
     recording: Vec<u8>,
 }
 
@@ -183,12 +180,6 @@ impl FinishedRun {
     #[wasm_bindgen(getter)]
     pub fn summary(&self) -> String {
         self.summary.clone()
-    }
-
-    /// Report page (HTML).
-    #[wasm_bindgen(getter)]
-    pub fn report(&self) -> String {
-        self.report.clone()
     }
 
     /// Bytes of `recording.mcap`.

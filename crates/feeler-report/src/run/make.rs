@@ -184,19 +184,43 @@ pub fn page_of_file(
     Ok(page_of_rows(&recording, &data))
 }
 
-/// Report of an open recording of `length` bytes, which errors call `path`: its page, and its summary. Writes no files.
+/// Report page of an open recording of `length` bytes, which errors call `path`. Writes no files.
 ///
 /// # Errors
 /// If the recording is unreadable.
-pub fn report_from(
+pub fn page_from(
     file: &mut (impl Read + Seek),
     length: u64,
     path: &Path,
     progress: &mut dyn FnMut(f64),
-) -> Result<(String, Summary), RecordError> {
+) -> Result<String, RecordError> {
     let (recording, data) = long_run::read_from(file, length, path, progress)?;
-    let drawn = draw(&recording, &data, RECORDING, |_, _| ());
-    Ok((drawn.html, drawn.summary))
+    Ok(page_of_rows(&recording, &data))
+}
+
+/// Summary of an open recording of `length` bytes, which errors call `path`: the content of `summary.json`, without the
+/// figures of the report, which take longer.
+///
+/// # Errors
+/// If the recording is unreadable.
+pub fn summary_from(
+    file: &mut (impl Read + Seek),
+    length: u64,
+    path: &Path,
+) -> Result<Summary, RecordError> {
+    let (recording, data) = long_run::read_from(file, length, path, &mut |_| {})?;
+    Ok(summarize(&recording, &data))
+}
+
+/// Summary with the claims that the report shows. Trial tables have the same columns for every law; a report shows the
+/// paper's claims only if they apply.
+fn summarize(recording: &Recording, data: &RunData) -> Summary {
+    let mut summary = Summary::new(recording, data);
+    summary.success = Success::of(&recording.facts, &summary);
+    if !tasks::claims_are_shown(&recording.facts) {
+        summary.claims.clear();
+    }
+    summary
 }
 
 /// A drawn report, and the result of the callback of [`draw`].
@@ -218,12 +242,7 @@ fn draw<T>(
     thread::scope(|scope| {
         // Platforms without threads, such as browsers, compress at the end.
         let table = thread::Builder::new().spawn_scoped(scope, || RunTable::new(data));
-        let mut summary = Summary::new(recording, data);
-        summary.success = Success::of(&recording.facts, &summary);
-        // Trial tables have the same columns for every law; a report shows the paper's claims only if they apply.
-        if !tasks::claims_are_shown(&recording.facts) {
-            summary.claims.clear();
-        }
+        let summary = summarize(recording, data);
         let task = tasks::of_recording(recording);
         let figures = task.figures(recording, data);
         let given = give(&figures, &summary);

@@ -16,7 +16,8 @@ pub use file_names::{RECORDING, REPORT, SUMMARY};
 pub use finger_columns::FingerColumns;
 pub use long_run::{read, read_within};
 pub use make::{
-    ReportError, ReportOutcome, create_folder, make, make_into, make_of, page_of, report_from,
+    ReportError, ReportOutcome, create_folder, make, make_into, make_of, page_from, page_of,
+    summary_from,
 };
 pub use recorder::RunRecorder;
 pub use stroke::Stroke;
