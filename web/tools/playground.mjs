@@ -14,6 +14,19 @@ const OUT = here(FAST ? "../out/fast" : "../out");
 const TARGET = "wasm32-unknown-unknown";
 /** Largest size of the page (bytes). */
 const LARGEST = 4e6;
+// Little optimization and no checks. Macros and build scripts remain those of the workspace's tests.
+const FAST_PROFILE = [
+  "opt-level=0",
+  "package.feeler.opt-level=1",
+  "package.glam.opt-level=1",
+  ...["feeler-sources", "image", "nalgebra", "parry3d-f64", "rapier3d-f64"].map(
+    (name) => `package.${name}.opt-level=0`,
+  ),
+  ...["debug-assertions", "overflow-checks"].flatMap((check) => [
+    `${check}=false`,
+    `build-override.${check}=true`,
+  ]),
+];
 
 function run(program, args, env = {}) {
   execFileSync(program, args, { cwd: ROOT, stdio: "inherit", env: { ...process.env, ...env } });
@@ -23,7 +36,9 @@ function compile() {
   // The fast build shares macros and build scripts with the workspace's tests.
   const target = process.env.CARGO_TARGET_DIR ?? `${ROOT}/target${FAST ? "" : "/wasm"}`;
   const into = `--target-dir=${target}`;
-  const profile = FAST ? ["--config=profile.dev.package.feeler.opt-level=1"] : ["--profile=wasm"];
+  const profile = FAST
+    ? FAST_PROFILE.map((setting) => `--config=profile.dev.${setting}`)
+    : ["--profile=wasm"];
   run("cargo", ["build", "-p", "feeler-wasm", "--target", TARGET, into, ...profile], {
     RUSTFLAGS: "-C target-feature=+simd128",
   });
