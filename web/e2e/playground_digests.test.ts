@@ -11,7 +11,7 @@ import { digestOf, experiments, nothingElse } from "./playground_page";
 
 const fast = process.env["FAST_PLAYGROUND"];
 const page = fast ?? process.env["PLAYGROUND"];
-const skip = page ? false : "needs PLAYGROUND or FAST_PLAYGROUND";
+const skip = page && process.env["FEELER"] ? false : "needs FEELER, and PLAYGROUND or FAST_PLAYGROUND";
 
 test("every built-in experiment has the digest of the program", { skip }, async (context) => {
   const browser = await launch();

@@ -100,7 +100,7 @@ function claimItem({ text, holds, verdict }: Claim): HTMLElement {
   return make("li", {}, make("b", { class: holds ? "holds" : "fails" }, verdict), ` ${text}`);
 }
 
-/** Passes the HTML of a report to `use`, perhaps later. */
+/** Calls `use` with the HTML of a report as soon as it has been created. */
 type GetReport = (use: (html: string) => void) => void;
 
 /** The complete report, closed at first and requested when it is opened. */

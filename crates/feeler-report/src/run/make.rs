@@ -184,7 +184,7 @@ pub fn page_of_file(
     Ok(page_of_rows(&recording, &data))
 }
 
-/// Report page of an open recording of `length` bytes, which errors call `path`. Writes no files.
+/// Report page of an open recording of `length` bytes. Errors name the recording `path`. Writes no files.
 ///
 /// # Errors
 /// If the recording is unreadable.
@@ -198,8 +198,8 @@ pub fn page_from(
     Ok(page_of_rows(&recording, &data))
 }
 
-/// Summary of an open recording of `length` bytes, which errors call `path`: the content of `summary.json`, without the
-/// figures of the report, which take longer.
+/// Summary of an open recording of `length` bytes: the content of `summary.json`. Errors name the recording `path`.
+/// Faster than [`page_from`], because no figures are drawn.
 ///
 /// # Errors
 /// If the recording is unreadable.
