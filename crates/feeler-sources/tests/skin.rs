@@ -132,6 +132,20 @@ fn silence_and_unplugging_make_readings_invalid_until_the_skin_is_back() {
     }
 }
 
+/// The system gives the port's number to the next program that opens a pseudo-terminal.
+#[test]
+fn the_link_of_an_unplugged_skin_leads_to_no_other_port() {
+    let layout = layout("anyskin");
+    let link = link("unplugged-link");
+    let emulator = SkinEmulator::start(&layout, 200.0, Some(&link)).unwrap();
+    let mut skin = Skin::open(&emulator, &layout);
+    skin.read_until_valid();
+    assert!(link.is_symlink());
+    emulator.inject(SkinEvent::Unplug(3600.0));
+    skin.read_until_invalid();
+    assert!(!link.is_symlink());
+}
+
 #[test]
 fn lost_and_changed_bytes_are_counted_and_forces_continue() {
     for name in SKINS {

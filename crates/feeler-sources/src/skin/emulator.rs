@@ -26,8 +26,8 @@ pub struct SkinEmulator {
 impl SkinEmulator {
     /// Starts a skin with this `layout` that sends `rate` frames per second, or responds to requests.
     ///
-    /// If `link` is given, it becomes a symbolic link to the port, like the stable names of USB ports: it points to the
-    /// new port after the skin was unplugged and plugged in again.
+    /// If `link` is given, it becomes a symbolic link to the port, like the stable names of USB ports: it is removed
+    /// while the skin is unplugged, and points to the new port afterwards.
     ///
     /// # Errors
     /// If the layout has no protocol, or if no pseudo-terminal or link can be created.
@@ -147,6 +147,12 @@ impl Server {
             }
             received.clear();
         }
+        self.remove_link();
+    }
+
+    /// Removes the link. Must be called before the port is closed: the system gives the port's number to the next
+    /// pseudo-terminal that any program opens, and the link would point to that one.
+    fn remove_link(&self) {
         if let Some(link) = &self.link {
             // The link may have been removed.
             let _ = std::fs::remove_file(link);
@@ -215,6 +221,7 @@ impl Server {
             SkinEvent::FlipBytes(share) => self.flipped = share,
             SkinEvent::Silent(seconds) => self.quiet = after(seconds),
             SkinEvent::Unplug(seconds) => {
+                self.remove_link();
                 self.port = None;
                 self.unplugged = after(seconds);
             }
