@@ -68,6 +68,11 @@ impl Steps {
     pub fn advance(&self) {
         self.0.inc(1);
     }
+
+    /// Hides the bar while `print` writes lines to the terminal.
+    pub fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.0.suspend(print)
+    }
 }
 
 /// Progress bar for reading one file.

@@ -2,11 +2,13 @@
 
 use super::ScanArguments;
 use crate::{CommandError, Outcome};
+use feeler_console::Steps;
 use feeler_drives::RigClock;
 use feeler_drives::bus::{Bus, BusError};
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::{Model, Registers};
 use std::io::Write;
+use std::ops::RangeInclusive;
 
 /// Part (address, length) of a Feetech servo's control table with the flag of big-endian values and the major version of
 /// the model.
@@ -25,24 +27,29 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
     let rates = arguments
         .baud_rate
         .map_or(USUAL.to_vec(), |rate| vec![rate]);
-    let mut found = 0;
-    for &rate in &rates {
-        for &protocol in &protocols {
-            if arguments.dry_run {
-                let (port, most) = (&arguments.port, arguments.largest_id);
-                writeln!(
-                    out,
-                    "would ping {} servos 0 to {most} on {port} at {rate} Bd; writes nothing",
-                    protocol.name()
-                )?;
-                continue;
-            }
-            found += scan_at(arguments, protocol, rate, out)?;
-        }
-    }
+    let ways = rates
+        .iter()
+        .flat_map(|&rate| protocols.iter().map(move |&protocol| (protocol, rate)));
     if arguments.dry_run {
+        for (protocol, rate) in ways {
+            let (port, most) = (&arguments.port, arguments.largest_id);
+            writeln!(
+                out,
+                "would ping {} servos 0 to {most} on {port} at {rate} Bd; writes nothing",
+                protocol.name()
+            )?;
+        }
         return Ok(Outcome::Done);
     }
+    let pings = ways
+        .clone()
+        .map(|(protocol, _)| ids(arguments, protocol).count());
+    let progress = Steps::new(pings.sum());
+    let mut found = 0;
+    for how in ways {
+        found += scan_at(arguments, how, &progress, out)?;
+    }
+    drop(progress);
     if found == 0 {
         let advice = "check the power supply, the cable and the port";
         writeln!(out, "no servo found; {advice}")?;
@@ -51,18 +58,25 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
     Ok(Outcome::Done)
 }
 
-/// Pings all ids; returns the number of servos that reply.
+/// Ids to ping.
+fn ids(arguments: &ScanArguments, protocol: Protocol) -> RangeInclusive<u8> {
+    0..=arguments.largest_id.min(protocol.largest_id())
+}
+
+/// Pings all ids with this protocol and baud rate; returns the number of servos that reply.
 fn scan_at(
     arguments: &ScanArguments,
-    protocol: Protocol,
-    rate: u32,
+    how: (Protocol, u32),
+    progress: &Steps,
     out: &mut dyn Write,
 ) -> Result<usize, CommandError> {
-    let how = (protocol, rate);
+    let (protocol, rate) = how;
     let mut bus = Bus::open(&arguments.port, how, arguments.timeout, RigClock::real())?;
     let mut found = 0;
-    for id in 0..=arguments.largest_id.min(protocol.largest_id()) {
-        let said = match bus.ping(id) {
+    for id in ids(arguments, protocol) {
+        let answer = bus.ping(id);
+        progress.advance();
+        let said = match answer {
             Err(BusError::NoReply { .. }) => continue,
             Err(error) => Err(error),
             Ok(()) => {
@@ -70,14 +84,13 @@ fn scan_at(
                 describe(&mut bus, id)
             }
         };
-        match said {
-            Ok((protocol, said)) => {
-                writeln!(out, "{rate} Bd, {}: servo {id}, {said}", protocol.name())?
-            }
+        let line = match said {
+            Ok((protocol, said)) => format!("{}: servo {id}, {said}", protocol.name()),
             Err(error @ (BusError::Port(_) | BusError::Echo)) => return Err(error.into()),
             // Something is connected: two servos with one id, another baud rate or a loose cable.
-            Err(error) => writeln!(out, "{rate} Bd, {}: {error}", protocol.name())?,
-        }
+            Err(error) => format!("{}: {error}", protocol.name()),
+        };
+        progress.suspend(|| writeln!(out, "{rate} Bd, {line}"))?;
     }
     Ok(found)
 }
