@@ -6,14 +6,16 @@ use crate::typed::given_and_typed;
 use crate::{CommandError, Outcome};
 use feeler_console::{Outputs, watch_for_interrupt};
 use feeler_drives::RigClock;
-use feeler_drives::emulator::{EmulatedServo, Emulator, EmulatorConfig, LagPlant, LogEntry};
+use feeler_drives::emulator::{
+    BusFault, EmulatedServo, Emulator, EmulatorConfig, LagPlant, LogEntry,
+};
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::MODELS;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::rigs::driven;
 use feeler_lab::experiment::world;
 use feeler_sim::rig::SimRig;
-use std::io::Write;
+use std::io::{Write, stderr};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::Receiver;
@@ -42,14 +44,17 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
         None => alone(arguments, clock)?,
     };
     for fault in faults {
-        emulator.inject(fault);
+        inject(&emulator, fault).map_err(|error| format!("--fault: {error}"))?;
     }
     writeln!(out, "{}", emulator.path())?;
     out.flush()?;
     while !interrupted.load(Ordering::Relaxed) {
         std::thread::sleep(NAP);
         for fault in typed.iter().flat_map(Receiver::try_iter) {
-            emulator.inject(fault);
+            if let Err(error) = inject(&emulator, fault) {
+                // If standard error is closed, the fault is ignored silently.
+                let _ = writeln!(stderr(), "invalid fault: {error}");
+            }
         }
         if let Some(log) = &mut log {
             log.write(&said(&emulator))?;
@@ -60,6 +65,18 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
         log.finish()?;
     }
     Ok(Outcome::Done)
+}
+
+/// Injects `fault`, unless it affects a servo that the bus does not have.
+fn inject(emulator: &Emulator, fault: BusFault) -> Result<(), String> {
+    let ids: Vec<_> = emulator.servos().servos().iter().map(|s| s.id).collect();
+    match fault.servo().filter(|id| !ids.contains(id)) {
+        None => {
+            emulator.inject(fault);
+            Ok(())
+        }
+        Some(id) => Err(format!("servo {id}: expected one of the servos {ids:?}")),
+    }
 }
 
 /// Returns the packets since the last call.

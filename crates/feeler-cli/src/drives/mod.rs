@@ -61,7 +61,7 @@ struct EmulateArguments {
     /// Experiment whose servos and simulated world are emulated [default: servos without a load]
     experiment: Option<String>,
     /// Override an experiment value, e.g. drives.baud_rate=57600. Repeatable.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "experiment")]
     settings: Vec<String>,
     /// Protocol of the servos if no experiment is given.
     #[arg(long, value_parser = PROTOCOLS, conflicts_with = "experiment", default_value = "dynamixel")]

@@ -44,6 +44,27 @@ const OVERLOAD: u8 = 0x20;
 /// Maximum external torque, N m.
 const MOST_LOAD: f64 = 100.0;
 
+impl BusFault {
+    /// Id of the servo that the fault affects, or `None` if it affects the bus.
+    pub fn servo(&self) -> Option<u8> {
+        match *self {
+            Self::Silent(id)
+            | Self::Reboot(id)
+            | Self::Overheat(id)
+            | Self::Undervoltage(id)
+            | Self::Hardware(id, _)
+            | Self::Load(id, _)
+            | Self::Jump(id) => Some(id),
+            Self::FlipBytes(_)
+            | Self::LoseBytes(_)
+            | Self::Echo
+            | Self::CablePulled
+            | Self::Late(_)
+            | Self::Latency(_) => None,
+        }
+    }
+}
+
 impl FromStr for BusFault {
     type Err = String;
 
