@@ -15,6 +15,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{RecordedRun, RunError, record_options, session};
 use feeler_lab::experiment::{Session, run_folder};
 use feeler_record::RecordOptions;
+use feeler_report::run::REPORT;
 use feeler_rig::print_outcome;
 #[cfg(feature = "top")]
 use feeler_watch::Screen;
@@ -153,7 +154,7 @@ fn watched_run(
         watcher.step(control_loop, at, tick)
     });
     watcher.run_ended();
-    let ran = ran?;
+    let ran = ran.map_err(|error| with_report(error, &folder))?;
     let control_loop = ran.session.control_loop();
     watcher.leave(control_loop, &ran.end);
 
@@ -168,6 +169,19 @@ fn watched_run(
     }
     print_outcome(&ran.report, out)?;
     Ok(Outcome::from(&ran.end))
+}
+
+/// Adds to `error` the report of the run in `folder` until then, if any.
+fn with_report(error: RunError, folder: &Path) -> CommandError {
+    let report = folder.join(REPORT);
+    match report.is_file() {
+        true => format!(
+            "{error}; the report shows the run until then: {}",
+            report.display()
+        )
+        .into(),
+        false => error.into(),
+    }
 }
 
 /// Rejects options of the browser view without `--view`.
@@ -201,4 +215,25 @@ pub fn make_folder(
     let number = trial.map(|trial| format!("trial{trial}"));
     run_folder::new(Path::new("runs"), &experiment.config, number)
         .map_err(|e| format!("{e}; name one with --out").into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_names_the_report_of_the_run_until_then() {
+        let folder = std::env::temp_dir().join(format!("feeler-run-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let error = || RunError::NoPictures;
+        let without = with_report(error(), &folder).to_string();
+        std::fs::write(folder.join(REPORT), "").expect("a report");
+        let with = with_report(error(), &folder).to_string();
+        std::fs::remove_dir_all(&folder).expect("the folder");
+        assert_eq!(without, error().to_string());
+        assert!(
+            with.starts_with(&without) && with.contains(REPORT),
+            "{with}"
+        );
+    }
 }

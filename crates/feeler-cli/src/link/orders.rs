@@ -195,9 +195,14 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
     };
     let Some(stop) = chosen else {
         let listed = list(&stops);
-        return Err(format!(
-            "none of these stops is by this caller; choose one with --number\n{listed}"
-        )
+        return Err(match arguments.number {
+            Some(number) => {
+                format!("--number {number}: expected the number of one of these stops\n{listed}")
+            }
+            None => {
+                format!("none of these stops is by this caller; choose one with --number\n{listed}")
+            }
+        }
         .into());
     };
     let number = stop.number;

@@ -1,6 +1,7 @@
 //! Stop and resume orders, and the rights to give them.
 
 use super::faults::{NO_HURRY, check};
+use crate::program::Ended;
 use crate::rig::{Setup, certificates, connect};
 use feeler_link::messages::message::{PROTOCOL, ResumeMessage};
 use feeler_link::transport::{Topic, send};
@@ -48,6 +49,13 @@ fn stops_by_two_clients_need_two_resumes() {
     let passer_by = rig.setup.order_from("resume", "a passer-by");
     assert_eq!(passer_by.status, Some(2), "{passer_by:?}");
     assert!(passer_by.stderr.contains("--number"), "{passer_by:?}");
+    let setup = &rig.setup;
+    let mut unknown = setup.command(0, &["resume", setup.experiment, "--number=99"]);
+    unknown.args(["--connect", &setup.endpoint]);
+    let unknown = Ended::of(unknown.output().expect("the program"));
+    assert_eq!(unknown.status, Some(2), "{unknown:?}");
+    let expected = "--number 99: expected the number of one of these stops";
+    assert!(unknown.stderr.contains(expected), "{unknown:?}");
     rig.resume_from(&hand, "the door\u{1b}[2J");
     hand.wait_for("resuming");
     check(&mut rig, hand, "stop requested by the test");
