@@ -23,6 +23,9 @@ impl fmt::Display for JointName {
     }
 }
 
+/// Warning after an error that may have left motors powered.
+pub const TORQUE_MAY_BE_ON: &str = "torque may still be enabled: switch off the servos' supply";
+
 /// Error of a hand of servos.
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
@@ -276,6 +279,9 @@ pub enum DriveError {
         /// Message of the fault.
         fault: String,
     },
+    /// After another error, not every servo has confirmed that its torque is off.
+    #[error("{0}; {words}", words = TORQUE_MAY_BE_ON)]
+    TorqueMayBeOn(Box<DriveError>),
     /// The hand has no such joint.
     #[error(
         "finger {finger} and joint {joint}: expected a finger of the hand (from 0) and {}", thetas(*joints)

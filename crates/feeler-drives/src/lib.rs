@@ -17,5 +17,5 @@ pub mod setup;
 pub mod torque;
 
 pub use clock::RigClock;
-pub use error::{DriveError, JointName};
+pub use error::{DriveError, JointName, TORQUE_MAY_BE_ON};
 pub use port::Port;

@@ -281,6 +281,44 @@ pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
     read(bus, joint, register)
 }
 
+/// Checks that the servo of `joint` may move as fast as the speed limit of its joints requires.
+///
+/// # Errors
+/// If the servo does not answer, is of another model, or is limited to a lower velocity.
+pub fn check_velocity_limit(
+    bus: &mut Bus,
+    config: &DrivesConfig,
+    fingers: &[FingerGeometry],
+    joint: JointName,
+) -> Result<(), DriveError> {
+    let joints = ServoJoints::of(config, fingers, joint)?;
+    let model = check_model(bus, joint, &joints.first.drive)?;
+    check_speed(bus, &joints, model)
+}
+
+/// Checks that the servo of these `joints` may move as fast as their speed limit requires.
+pub(crate) fn check_speed(
+    bus: &mut Bus,
+    joints: &ServoJoints,
+    model: &Model,
+) -> Result<(), DriveError> {
+    let ServoJoint { name, drive, .. } = &joints.first;
+    let expected = joints.limits.speed * drive.transmission();
+    let limit = match Registers::of(model.protocol).velocity_limit {
+        Some(limit) => read(bus, *name, limit)?,
+        None => model.velocity_limit,
+    };
+    let actual = limit as f64 * model.velocity_unit;
+    match actual >= expected {
+        true => Ok(()),
+        false => Err(DriveError::VelocityLimit {
+            joint: *name,
+            expected,
+            actual,
+        }),
+    }
+}
+
 /// Reads the positions of all joints that the servo of `joint` moves (rad or m), in the order of [`joints_of_servo`], and
 /// checks that they are within their limits.
 ///

@@ -6,16 +6,13 @@ use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::registers::DriveMode;
 use feeler_drives::setup::{
-    Change, changes, check_fast_sync_read, check_model, is_torque_on, joints_of_servo,
-    named_servos, read_angles, read_health, servo_range,
+    Change, changes, check_fast_sync_read, check_model, check_velocity_limit, is_torque_on,
+    joints_of_servo, named_servos, read_angles, read_health, servo_range,
 };
 use feeler_drives::{DriveError, JointName, RigClock};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use std::io::Write;
-
-/// Warning after an error that may have left motors powered.
-pub const TORQUE_MAY_BE_ON: &str = "torque may still be enabled: switch off the servos' supply";
 
 /// An experiment whose hand has servos on a bus.
 pub struct ServoRig {
@@ -161,6 +158,7 @@ fn check_servo(
         let model = check_model(bus, joint, drive)?;
         check_fast_sync_read(bus, joint, model)?;
     }
+    check_velocity_limit(bus, config, fingers, joint)?;
     read_health(bus, joint)?.check(config.protocol, joint, &config.health_limits())?;
     let angles = read_angles(bus, config, fingers, joint)?;
     let mut positions = String::new();

@@ -17,9 +17,7 @@ mod stop;
 mod wrench_topic;
 
 #[cfg(feature = "drives")]
-pub use drives_check::{
-    ServoRig, TORQUE_MAY_BE_ON, all_changes, check_servos, display_unit, print_changes,
-};
+pub use drives_check::{ServoRig, all_changes, check_servos, display_unit, print_changes};
 pub use hand_record::{FinishedRecord, HandRecord, patience};
 pub use latency_bench::{LatencyBench, measure_latency, send_readings};
 pub use link_options::{LinkOptions, ListenOptions};

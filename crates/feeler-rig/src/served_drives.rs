@@ -1,14 +1,14 @@
 //! Serves servos on a bus as the rig of `feeler hand`.
 
-use crate::drives_check::{ServoRig, TORQUE_MAY_BE_ON, all_changes, print_changes};
+use crate::drives_check::{ServoRig, all_changes, print_changes};
 use crate::real_time::request_real_time;
 use crate::session::RigSession;
 use feeler_console::{CommandError, Outcome, Warnings, watch_for_interrupt};
-use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
 use feeler_drives::config::DrivesConfig;
 use feeler_drives::emulator::Emulator;
 use feeler_drives::setup::named_servos;
+use feeler_drives::{RigClock, TORQUE_MAY_BE_ON};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::rigs::driven::{drives, emulated_bus};
 use feeler_lab::experiment::rigs::linked::rig_config;

@@ -8,8 +8,8 @@ use feeler_console::watch_for_interrupt;
 use feeler_drives::config::JointDriveConfig;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::setup::{jog_speed, joints_of_servo, named_joints, servo_range};
-use feeler_drives::{DriveError, JointName, RigClock};
-use feeler_rig::{ServoRig, TORQUE_MAY_BE_ON, all_changes, display_unit, print_changes};
+use feeler_drives::{DriveError, JointName, RigClock, TORQUE_MAY_BE_ON};
+use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 

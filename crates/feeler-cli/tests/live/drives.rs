@@ -290,6 +290,9 @@ fn modes_are_checked_and_planned() {
         "joint[1].mode",
         "only with current_limit, or with torque_limit and torque",
     ]);
+    let fast = check(&["drives.finger.0.joint.0.gear_ratio=100"]);
+    assert_eq!(fast.status, Some(1), "{fast:?}");
+    assert!(fast.stdout.contains("is limited to 38."), "{fast:?}");
     check(&["drives.finger.0.joint.0.mode=current"]).refused(&["current-limited-position"]);
     check(&["drives.finger.0.joint.0.leash=0.1"])
         .refused(&["leash = 0.1", "no value in velocity mode"]);
@@ -452,6 +455,14 @@ fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
     refused(
         &["drives", "emulate", "--fault", "fire"],
         &["--fault", "\"fire\"", "silent=ID"],
+    );
+    refused(
+        &["drives", "emulate", "--servos=2", "--fault=silent=9"],
+        &["--fault: servo 9", "one of the servos [1, 2]"],
+    );
+    refused(
+        &["drives", "emulate", "--set=drives.baud_rate=57600"],
+        &["<EXPERIMENT>"],
     );
     let twice = ["check", "my.toml", "--set", "drives.finger.1.joint.0.id=2"];
     refused(

@@ -87,9 +87,14 @@ impl DriveHand {
             config: config.clone(),
         };
         let opened = hand.set_up().and_then(|()| hand.arm());
-        opened.map_err(|error| hand.blame_adapter(error))?;
-        hand.check_latency()?;
-        Ok(hand)
+        let opened = opened.map_err(|error| hand.blame_adapter(error));
+        match opened.and_then(|()| hand.check_latency()) {
+            Ok(()) => Ok(hand),
+            Err(error) => Err(match hand.disable_torque() {
+                Ok(()) => error,
+                Err(_) => DriveError::TorqueMayBeOn(Box::new(error)),
+            }),
+        }
     }
 
     /// Restarts a hand that was stopped by a fault: restarts servos that an overload has switched off, sets the

@@ -77,20 +77,6 @@ impl Servo {
         (velocity / self.model.velocity_unit).ceil() as i64
     }
 
-    /// Checks that a velocity limit, in the servo's unit, allows the speed limit of its joints.
-    pub fn allow(&self, limit: i64) -> Result<(), DriveError> {
-        let expected = self.joints.limits.speed * self.drive().transmission();
-        let actual = limit as f64 * self.model.velocity_unit;
-        match actual >= expected {
-            true => Ok(()),
-            false => Err(DriveError::VelocityLimit {
-                joint: self.name(),
-                expected,
-                actual,
-            }),
-        }
-    }
-
     /// Discards the last command and position.
     pub fn reset(&mut self) {
         self.counts = None;

@@ -2,11 +2,15 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::{PERIOD, Rig, bus, config_in, hand_on};
-use feeler_drives::emulator::BusFault;
+use crate::support::{MAX_AGE, PERIOD, Rig, bus, config_in, finger, hand_on};
+use feeler_drives::Port;
+use feeler_drives::bus::Bus;
+use feeler_drives::emulator::{BusFault, Lockstep};
+use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::SYNC_WRITE;
 use feeler_drives::registers::{DriveMode, Registers};
+use std::io;
 
 /// Every fault bit stops the hand and is named.
 #[test]
@@ -213,4 +217,52 @@ fn an_overloaded_scs_servo_gets_no_goal_until_the_restart() {
         rig.period(0.1).unwrap();
     }
     assert!(goals(&rig) > before);
+}
+
+/// A port that fails once the torque of a servo has been switched on.
+struct FailsWithTorque(Lockstep);
+
+impl Port for FailsWithTorque {
+    fn discard_input(&mut self) -> io::Result<()> {
+        self.0.discard_input()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let torque = Registers::of(Protocol::Dynamixel).torque;
+        let is_on = self.0.servos().servos().iter().any(|s| s.get(torque) != 0);
+        match is_on {
+            true => Err(io::ErrorKind::NotConnected.into()),
+            false => self.0.send(bytes),
+        }
+    }
+
+    fn receive(&mut self, bytes: &mut [u8], deadline: f64) -> io::Result<usize> {
+        self.0.receive(bytes, deadline)
+    }
+}
+
+#[test]
+fn a_hand_that_cannot_be_opened_says_whether_its_torque_is_off() {
+    let protocol = Protocol::Dynamixel;
+    let config = config_in(protocol, DriveMode::Velocity, 1);
+    let lockstep = bus(&config);
+    let port = Box::new(FailsWithTorque(lockstep.clone()));
+    let how = (protocol, config.baud_rate);
+    let master = Bus::on(port, how, config.reply_timeout, lockstep.clock());
+    let error = DriveHand::on(master, &config, &[finger()], MAX_AGE)
+        .err()
+        .expect("an error")
+        .to_string();
+    assert!(error.contains("the serial port failed"), "{error}");
+    assert!(error.contains("torque may still be enabled"), "{error}");
+
+    // Without a working servo, no torque was switched on.
+    let lockstep = bus(&config);
+    lockstep.inject(BusFault::Silent(3));
+    let error = hand_on(&lockstep, &config).err().expect("an error");
+    let error = error.to_string();
+    assert!(
+        error.contains("servo 3") && !error.contains("torque"),
+        "{error}"
+    );
 }
