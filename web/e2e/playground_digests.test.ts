@@ -1,7 +1,7 @@
 /**
- * Runs have the same digest in the playground as in the program. `PLAYGROUND` is the path of the page, `FEELER` that of the
- * program. In `FAST_PLAYGROUND`, a page that was built with --fast, only the first seconds of runs with images are
- * compared.
+ * Runs have the same digest in the playground as in the program. `FEELER` is the path of the program, `PLAYGROUND` the
+ * path of the page. If `FAST_PLAYGROUND` is the path of a page that was built with --fast, that page is compared instead,
+ * of runs with images only the first 3 s.
  */
 import assert from "node:assert/strict";
 import { test } from "node:test";

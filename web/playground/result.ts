@@ -40,7 +40,7 @@ export function shownClaims({ claims, hand_claims }: Summary): Claim[] {
   return claims.length > 0 ? claims : hand_claims;
 }
 
-/** Shows a finished run. Its report is created on first use. `note` tells what its command does not repeat, if anything. */
+/** Shows a finished run. Its report is created on first use. `note` names changes that its command does not reproduce, if any. */
 export function resultPanel(
   engine: Engine,
   title: string,
@@ -56,7 +56,7 @@ export function resultPanel(
   const told = (text: string) => setText(said, text);
   const reason = summary.reason ? `: ${summary.reason}` : "";
   let created: Promise<string> | undefined;
-  const withReport: GetReport = (use) => {
+  const withReport: WithReport = (use) => {
     told("Creating the report.");
     created ??= engine.call("report", { file: new File([finished.recording], "recording.mcap") });
     created
@@ -100,11 +100,11 @@ function claimItem({ text, holds, verdict }: Claim): HTMLElement {
   return make("li", {}, make("b", { class: holds ? "holds" : "fails" }, verdict), ` ${text}`);
 }
 
-/** Calls `use` with the HTML of a report as soon as it has been created. */
-type GetReport = (use: (html: string) => void) => void;
+/** Requests the HTML of a report, and calls `use` once it is available. */
+type WithReport = (use: (html: string) => void) => void;
 
-/** The complete report, closed at first and requested when it is opened. */
-export function reportFrame(get: GetReport, open = false): HTMLElement {
+/** Collapsible frame with the complete report, which is requested when the frame is first open. */
+export function reportFrame(get: WithReport, open = false): HTMLElement {
   const frame = make("iframe", { title: "Report of the run", class: "report" });
   const details = make("details", {}, make("summary", {}, "Complete report with all figures"), frame);
   const fill = () => {

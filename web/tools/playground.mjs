@@ -1,6 +1,6 @@
 // Builds the playground: one HTML file with feeler's program, its worker and the page. Needs Rust with the target
-// wasm32-unknown-unknown, and zstd. With --fast, for tests, the page is larger and slower, but builds in half the time,
-// after `cargo build --workspace --all-features`.
+// wasm32-unknown-unknown, and zstd. With --fast, for tests, the page builds in half the time, but is larger and slower;
+// this requires a preceding `cargo build --workspace --all-features`.
 import { build } from "esbuild";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
@@ -14,7 +14,8 @@ const OUT = here(FAST ? "../out/fast" : "../out");
 const TARGET = "wasm32-unknown-unknown";
 /** Largest size of the page (bytes). */
 const LARGEST = 4e6;
-// Little optimization and no checks. Macros and build scripts remain those of the workspace's tests.
+// Little optimization, no debug assertions or overflow checks. `build-override` keeps the settings of procedural macros
+// and build scripts, so that Cargo reuses those that were built for the workspace's tests.
 const FAST_PROFILE = [
   "opt-level=0",
   "package.feeler.opt-level=1",
@@ -33,7 +34,6 @@ function run(program, args, env = {}) {
 }
 
 function compile() {
-  // The fast build shares macros and build scripts with the workspace's tests.
   const target = process.env.CARGO_TARGET_DIR ?? `${ROOT}/target${FAST ? "" : "/wasm"}`;
   const into = `--target-dir=${target}`;
   const profile = FAST
@@ -43,7 +43,7 @@ function compile() {
     RUSTFLAGS: "-C target-feature=+simd128",
   });
   const made = `${target}/${TARGET}/${FAST ? "debug" : "wasm"}/feeler_wasm.wasm`;
-  // Cargo would compile it again for the fast build, with other features of its dependencies.
+  // Run directly, because `cargo run` would compile feeler-bindgen again, with other features of its dependencies.
   if (FAST) run(`${target}/debug/feeler-bindgen`, [made, here("../out/wasm")]);
   else run("cargo", ["run", "-p", "feeler-bindgen", into, "--", made, here("../out/wasm")]);
   const wasm = here("../out/wasm/feeler_wasm_bg.wasm");

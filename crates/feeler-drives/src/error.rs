@@ -69,7 +69,7 @@ pub enum DriveError {
     },
     /// A servo's velocity limit is below the joint's speed limit.
     #[error(
-        "{joint} is limited to {actual:.3} rad/s: expected at least {expected:.3} rad/s, joint_speed_limit times gear_ratio, or times 2 pi / travel_per_turn"
+        "{joint} is limited to {actual:.3} rad/s: expected at least {expected:.3} rad/s, joint_speed_limit times gear_ratio, or times 2 pi / travel_per_turn; raise the servo's limit, or lower joint_speed_limit"
     )]
     VelocityLimit {
         /// The joint.
@@ -279,7 +279,7 @@ pub enum DriveError {
         /// Message of the fault.
         fault: String,
     },
-    /// After another error, not every servo has confirmed that its torque is off.
+    /// An error (given) after which not every servo has confirmed that its torque is off.
     #[error("{0}; {words}", words = TORQUE_MAY_BE_ON)]
     TorqueMayBeOn(Box<DriveError>),
     /// The hand has no such joint.

@@ -281,7 +281,7 @@ pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
     read(bus, joint, register)
 }
 
-/// Checks that the servo of `joint` may move as fast as the speed limit of its joints requires.
+/// Checks that the velocity limit of the servo of `joint` is at least its velocity at the speed limit of its joints.
 ///
 /// # Errors
 /// If the servo does not answer, is of another model, or is limited to a lower velocity.
@@ -293,11 +293,11 @@ pub fn check_velocity_limit(
 ) -> Result<(), DriveError> {
     let joints = ServoJoints::of(config, fingers, joint)?;
     let model = check_model(bus, joint, &joints.first.drive)?;
-    check_speed(bus, &joints, model)
+    check_velocity_limit_of(bus, &joints, model)
 }
 
-/// Checks that the servo of these `joints` may move as fast as their speed limit requires.
-pub(crate) fn check_speed(
+/// Like [`check_velocity_limit`], for the servo of these `joints`, whose model was checked.
+pub(crate) fn check_velocity_limit_of(
     bus: &mut Bus,
     joints: &ServoJoints,
     model: &Model,

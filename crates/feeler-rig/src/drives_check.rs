@@ -64,8 +64,8 @@ impl ServoRig {
     }
 }
 
-/// Reads model, settings, health and angle of all servos and prints them with the changes that a run would make. Writes
-/// nothing to a servo. If `dry_run`, opens no port and prints what would be read.
+/// Reads model, settings, velocity limit, health and angle of all servos and prints them with the changes that a run would
+/// make. Writes nothing to a servo. If `dry_run`, opens no port and prints what would be read.
 ///
 /// # Errors
 /// If the bus fails or `out` cannot be written. A faulty servo is [`Outcome::GivenUp`].
@@ -86,7 +86,7 @@ pub fn check_servos(
         for (joint, drive) in named_servos(config) {
             writeln!(
                 out,
-                "would read model, settings, health and position of {joint}, a {}; writes nothing",
+                "would read model, settings, velocity limit, health and position of {joint}, a {}; writes nothing",
                 drive.model
             )?;
         }

@@ -134,7 +134,7 @@ fn silence_and_unplugging_make_readings_invalid_until_the_skin_is_back() {
 
 /// The system gives the port's number to the next program that opens a pseudo-terminal.
 #[test]
-fn the_link_of_an_unplugged_skin_leads_to_no_other_port() {
+fn the_link_is_removed_while_the_skin_is_unplugged() {
     let layout = layout("anyskin");
     let link = link("unplugged-link");
     let emulator = SkinEmulator::start(&layout, 200.0, Some(&link)).unwrap();

@@ -67,7 +67,10 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
     Ok(Outcome::Done)
 }
 
-/// Injects `fault`, unless it affects a servo that the bus does not have.
+/// Injects `fault`.
+///
+/// # Errors
+/// If it affects a servo that the bus does not have.
 fn inject(emulator: &Emulator, fault: BusFault) -> Result<(), String> {
     let ids: Vec<_> = emulator.servos().servos().iter().map(|s| s.id).collect();
     match fault.servo().filter(|id| !ids.contains(id)) {
@@ -75,7 +78,9 @@ fn inject(emulator: &Emulator, fault: BusFault) -> Result<(), String> {
             emulator.inject(fault);
             Ok(())
         }
-        Some(id) => Err(format!("servo {id}: expected one of the servos {ids:?}")),
+        Some(id) => Err(format!(
+            "the bus has no servo {id}: expected one of the ids {ids:?}"
+        )),
     }
 }
 

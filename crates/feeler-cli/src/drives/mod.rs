@@ -41,8 +41,8 @@ enum Command {
     Emulate(EmulateArguments),
     /// List the servos on a bus. Writes nothing to them.
     Scan(ScanArguments),
-    /// Compare an experiment's servos with its [drives]: models, settings, health, joint angles. Writes nothing to
-    /// them.
+    /// Compare an experiment's servos with its [drives]: models, settings, velocity limits, health, joint angles. Writes
+    /// nothing to them.
     Check(RigArguments),
     /// Compute the homing offsets from the present posture. Writes nothing to the servos.
     Home(HomeArguments),
@@ -60,7 +60,7 @@ enum Command {
 struct EmulateArguments {
     /// Experiment whose servos and simulated world are emulated [default: servos without a load]
     experiment: Option<String>,
-    /// Override an experiment value, e.g. drives.baud_rate=57600. Repeatable.
+    /// Override a value of the experiment, e.g. drives.baud_rate=57600. Requires EXPERIMENT. Repeatable.
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "experiment")]
     settings: Vec<String>,
     /// Protocol of the servos if no experiment is given.

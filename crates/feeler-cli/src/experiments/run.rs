@@ -171,12 +171,12 @@ fn watched_run(
     Ok(Outcome::from(&ran.end))
 }
 
-/// Adds to `error` the report of the run in `folder` until then, if any.
+/// Appends the path of the report in `folder` to the `error` of a run, if that file exists.
 fn with_report(error: RunError, folder: &Path) -> CommandError {
     let report = folder.join(REPORT);
     match report.is_file() {
         true => format!(
-            "{error}; the report shows the run until then: {}",
+            "{error}; the report of the run up to this error: {}",
             report.display()
         )
         .into(),
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_error_names_the_report_of_the_run_until_then() {
+    fn an_error_of_a_run_names_its_report() {
         let folder = std::env::temp_dir().join(format!("feeler-run-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let error = || RunError::NoPictures;

@@ -67,7 +67,8 @@ pub fn follow(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     let (fingers, layouts) = (geometries(config)?, layouts(config)?);
     let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
     let description = protocol::description(config, &fingers, &elements, arguments.lifetime);
-    // Installed before the first output: an interrupt from then on leaves a report.
+    // The interrupt handler is installed before the first output, because another program may respond to it with an
+    // interrupt. A simulated run then still has a report.
     let interrupted = watch_for_interrupt()?;
     answer(out, &description)?;
     if arguments.describe {

@@ -42,7 +42,7 @@ struct EmulateArguments {
     /// Frames per second; PaXini modules respond to requests instead.
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = parse_emulated_rate)]
     rate: f64,
-    /// Symbolic link to the port, which remains valid if the skin is unplugged and plugged in again.
+    /// Symbolic link to the port. Removed while the skin is unplugged; points to the new port afterwards.
     #[arg(long, value_name = "PATH")]
     link: Option<PathBuf>,
     /// Load, magnetic field or fault to emulate from the start, e.g. press=200, field=0,0,50, lose-bytes=0.001,

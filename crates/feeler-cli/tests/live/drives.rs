@@ -458,7 +458,7 @@ fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
     );
     refused(
         &["drives", "emulate", "--servos=2", "--fault=silent=9"],
-        &["--fault: servo 9", "one of the servos [1, 2]"],
+        &["--fault: the bus has no servo 9", "one of the ids [1, 2]"],
     );
     refused(
         &["drives", "emulate", "--set=drives.baud_rate=57600"],

@@ -7,8 +7,8 @@ use crate::registers::{GoalKind, Registers, TORQUE_TO_WATCHDOG, VOLTAGE_TO_TEMPE
 use feeler::check::Checker;
 
 impl DrivesConfig {
-    /// Checks that all servos can be read and commanded within a control `period` (s), and that their watchdogs stop them
-    /// only after a longer time without commands.
+    /// Checks that all servos can be read and commanded within a control `period` (s), and that the time of their
+    /// watchdogs, unless it is 0 (disabled), is longer than `period`.
     pub fn check_period(&self, key: &str, period: f64, checker: &mut Checker) {
         let needed = self.bus_time();
         checker.require(

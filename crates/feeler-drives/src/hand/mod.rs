@@ -47,7 +47,8 @@ impl DriveHand {
     ///
     /// # Errors
     /// If a value of `config` is out of range, if the port cannot be opened, or if a servo is missing, of another
-    /// model, faulty, or beyond its joint's limits.
+    /// model, faulty, slower than its joints' speed limits, or beyond its joint's limits. The error is
+    /// [`DriveError::TorqueMayBeOn`] if not every servo confirms afterwards that its torque is off.
     pub fn open(
         config: &DrivesConfig,
         fingers: &[FingerGeometry],

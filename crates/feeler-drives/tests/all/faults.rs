@@ -242,7 +242,7 @@ impl Port for FailsWithTorque {
 }
 
 #[test]
-fn a_hand_that_cannot_be_opened_says_whether_its_torque_is_off() {
+fn a_failed_start_warns_if_torque_may_be_on() {
     let protocol = Protocol::Dynamixel;
     let config = config_in(protocol, DriveMode::Velocity, 1);
     let lockstep = bus(&config);
@@ -256,7 +256,7 @@ fn a_hand_that_cannot_be_opened_says_whether_its_torque_is_off() {
     assert!(error.contains("the serial port failed"), "{error}");
     assert!(error.contains("torque may still be enabled"), "{error}");
 
-    // Without a working servo, no torque was switched on.
+    // If a servo is silent, no torque is switched on, and the other servos confirm it.
     let lockstep = bus(&config);
     lockstep.inject(BusFault::Silent(3));
     let error = hand_on(&lockstep, &config).err().expect("an error");

@@ -212,8 +212,8 @@ pub fn summary_from(
     Ok(summarize(&recording, &data))
 }
 
-/// Summary with the claims that the report shows. Trial tables have the same columns for every law; a report shows the
-/// paper's claims only if they apply.
+/// Summary of a recording, without the paper's claims if they do not apply to its task. [`Summary::new`] always contains
+/// them, because trial tables have the same columns for every law.
 fn summarize(recording: &Recording, data: &RunData) -> Summary {
     let mut summary = Summary::new(recording, data);
     summary.success = Success::of(&recording.facts, &summary);
