@@ -279,7 +279,7 @@ pub enum DriveError {
         /// Message of the fault.
         fault: String,
     },
-    /// An error (given) after which not every servo has confirmed that its torque is off.
+    /// An error, after which not every servo has confirmed that its torque is off.
     #[error("{0}; {words}", words = TORQUE_MAY_BE_ON)]
     TorqueMayBeOn(Box<DriveError>),
     /// The hand has no such joint.

@@ -282,37 +282,27 @@ pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
 }
 
 /// Checks that the velocity limit of the servo of `joint` is at least its velocity at the speed limit of its joints.
+/// `model` is that of the servo; see [`check_model`].
 ///
 /// # Errors
-/// If the servo does not answer, is of another model, or is limited to a lower velocity.
+/// If the servo does not answer, or is limited to a lower velocity.
 pub fn check_velocity_limit(
     bus: &mut Bus,
     config: &DrivesConfig,
     fingers: &[FingerGeometry],
-    joint: JointName,
+    (joint, model): (JointName, &Model),
 ) -> Result<(), DriveError> {
     let joints = ServoJoints::of(config, fingers, joint)?;
-    let model = check_model(bus, joint, &joints.first.drive)?;
-    check_velocity_limit_of(bus, &joints, model)
-}
-
-/// Like [`check_velocity_limit`], for the servo of these `joints`, whose model was checked.
-pub(crate) fn check_velocity_limit_of(
-    bus: &mut Bus,
-    joints: &ServoJoints,
-    model: &Model,
-) -> Result<(), DriveError> {
-    let ServoJoint { name, drive, .. } = &joints.first;
-    let expected = joints.limits.speed * drive.transmission();
+    let expected = joints.limits.speed * joints.first.drive.transmission();
     let limit = match Registers::of(model.protocol).velocity_limit {
-        Some(limit) => read(bus, *name, limit)?,
+        Some(limit) => read(bus, joint, limit)?,
         None => model.velocity_limit,
     };
     let actual = limit as f64 * model.velocity_unit;
     match actual >= expected {
         true => Ok(()),
         false => Err(DriveError::VelocityLimit {
-            joint: *name,
+            joint,
             expected,
             actual,
         }),

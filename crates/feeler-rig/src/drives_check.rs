@@ -154,11 +154,11 @@ fn check_servo(
 ) -> Result<(String, Vec<Change>), DriveError> {
     let range = servo_range(config, fingers, joint)?;
     let changes = changes(bus, joint, drive, range)?;
+    let model = check_model(bus, joint, drive)?;
     if config.fast_sync_read {
-        let model = check_model(bus, joint, drive)?;
         check_fast_sync_read(bus, joint, model)?;
     }
-    check_velocity_limit(bus, config, fingers, joint)?;
+    check_velocity_limit(bus, config, fingers, (joint, model))?;
     read_health(bus, joint)?.check(config.protocol, joint, &config.health_limits())?;
     let angles = read_angles(bus, config, fingers, joint)?;
     let mut positions = String::new();

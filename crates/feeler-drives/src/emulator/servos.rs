@@ -94,26 +94,23 @@ impl Servos {
 
     /// Injects a fault of a servo; ignores faults of the bus.
     pub(super) fn inject(&mut self, fault: BusFault, now: f64) {
-        let mut each = |id: u8, fail: &dyn Fn(&mut EmulatedServo)| {
-            self.servos
-                .iter_mut()
-                .filter(|servo| servo.id == id)
-                .for_each(fail);
-        };
-        match fault {
-            BusFault::Silent(id) => each(id, &EmulatedServo::silence),
-            BusFault::Reboot(id) => each(id, &|servo| servo.reboot(now)),
-            BusFault::Overheat(id) => each(id, &EmulatedServo::overheat),
-            BusFault::Undervoltage(id) => each(id, &EmulatedServo::lower_supply),
-            BusFault::Hardware(id, faults) => each(id, &|servo| servo.break_down(faults)),
-            BusFault::Load(id, torque) => each(id, &|servo| servo.load = torque),
-            BusFault::Jump(id) => each(id, &|servo| servo.jump += 8192),
-            BusFault::FlipBytes(_)
-            | BusFault::LoseBytes(_)
-            | BusFault::Echo
-            | BusFault::CablePulled
-            | BusFault::Late(_)
-            | BusFault::Latency(_) => {}
+        let id = fault.servo();
+        for servo in self.servos.iter_mut().filter(|s| Some(s.id) == id) {
+            match fault {
+                BusFault::Silent(_) => servo.silence(),
+                BusFault::Reboot(_) => servo.reboot(now),
+                BusFault::Overheat(_) => servo.overheat(),
+                BusFault::Undervoltage(_) => servo.lower_supply(),
+                BusFault::Hardware(_, faults) => servo.break_down(faults),
+                BusFault::Load(_, torque) => servo.load = torque,
+                BusFault::Jump(_) => servo.jump += 8192,
+                BusFault::FlipBytes(_)
+                | BusFault::LoseBytes(_)
+                | BusFault::Echo
+                | BusFault::CablePulled
+                | BusFault::Late(_)
+                | BusFault::Latency(_) => {}
+            }
         }
     }
 }

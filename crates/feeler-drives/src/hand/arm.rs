@@ -9,8 +9,8 @@ use crate::packet::Protocol;
 use crate::registers::{DriveMode, GoalKind, Model, Registers};
 use crate::servo::{Servo, ServoJoints};
 use crate::setup::{
-    apply, blame, changes, check_fast_sync_read, check_model, check_velocity_limit_of,
-    named_servos, read, set,
+    apply, blame, changes, check_fast_sync_read, check_model, check_velocity_limit, named_servos,
+    read, set,
 };
 
 /// Time after which a restarted servo must answer, s.
@@ -29,7 +29,7 @@ impl DriveHand {
             }
             let joints = ServoJoints::of(&self.config, &self.fingers, joint)?;
             let range = (joints.limits.lower, joints.limits.upper);
-            check_velocity_limit_of(&mut self.bus, &joints, model)?;
+            check_velocity_limit(&mut self.bus, &self.config, &self.fingers, (joint, model))?;
             let servo = Servo::new(joints, model, self.most_age);
             self.bus
                 .write(joint.id, registers.torque, 0)
