@@ -189,21 +189,18 @@ pub fn resume(arguments: &ResumeArguments, out: &mut dyn Write) -> Result<Outcom
         return Ok(Outcome::Done);
     }
     let named = |number| stops.iter().find(|stop| stop.number == number);
-    let chosen = match arguments.number {
-        Some(number) => named(number),
-        None => stop_to_resume(&stops, &arguments.from),
+    let (chosen, expected) = match arguments.number {
+        Some(number) => (
+            named(number),
+            format!("--number {number}: expected the number of one of these stops"),
+        ),
+        None => (
+            stop_to_resume(&stops, &arguments.from),
+            "none of these stops is by this caller; choose one with --number".into(),
+        ),
     };
     let Some(stop) = chosen else {
-        let listed = list(&stops);
-        return Err(match arguments.number {
-            Some(number) => {
-                format!("--number {number}: expected the number of one of these stops\n{listed}")
-            }
-            None => {
-                format!("none of these stops is by this caller; choose one with --number\n{listed}")
-            }
-        }
-        .into());
+        return Err(format!("{expected}\n{}", list(&stops)).into());
     };
     let number = stop.number;
     let is_so = |mode: &HandMode| mode.stops.iter().all(|stop| stop.number != number);
