@@ -27,11 +27,11 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
     let rates = arguments
         .baud_rate
         .map_or(USUAL.to_vec(), |rate| vec![rate]);
-    let ways = rates
+    let combinations = rates
         .iter()
         .flat_map(|&rate| protocols.iter().map(move |&protocol| (protocol, rate)));
     if arguments.dry_run {
-        for (protocol, rate) in ways {
+        for (protocol, rate) in combinations {
             let (port, most) = (&arguments.port, arguments.largest_id);
             writeln!(
                 out,
@@ -41,12 +41,12 @@ pub fn scan(arguments: &ScanArguments, out: &mut dyn Write) -> Result<Outcome, C
         }
         return Ok(Outcome::Done);
     }
-    let pings = ways
+    let pings = combinations
         .clone()
         .map(|(protocol, _)| ids(arguments, protocol).count());
     let progress = Steps::new(pings.sum());
     let mut found = 0;
-    for how in ways {
+    for how in combinations {
         found += scan_at(arguments, how, &progress, out)?;
     }
     drop(progress);
